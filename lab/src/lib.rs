@@ -1,0 +1,3 @@
+//! Host tools of Vantage: meshes, rendering, exact scores, plans and exports.
+
+pub mod record;

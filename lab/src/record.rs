@@ -1,0 +1,97 @@
+//! What a plan and a comparison say to machines: the JSON that `--json` prints and `plan.json` holds.
+//!
+//! These names are stable. New fields may be added; none is renamed or changes its meaning.
+
+use serde::{Deserialize, Serialize};
+use vantage_core::{Pose, Scores};
+
+/// A matrix of shape (4, 4), row by row.
+pub type Matrix4 = [[f64; 4]; 4];
+
+/// One plan: `plan --json` and `plan.json`.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct PlanRecord {
+    /// The object's name: a file's stem or a built-in object.
+    pub object: String,
+    /// The scheme, as named on the command line.
+    pub scheme: String,
+    /// Views asked for.
+    pub budget: usize,
+    /// Seed of the planner's own chance.
+    pub seed: u64,
+    /// Seed of the candidate pool.
+    pub pool_seed: u64,
+    /// Size of the candidate pool.
+    pub candidates: usize,
+    /// How the object was brought into the unit sphere.
+    pub normalise: Normalise,
+    /// The chosen views, in the order of choice.
+    pub views: Vec<ViewRecord>,
+    /// Positions into `views`: the shortest tour through them that was found.
+    pub tour: Vec<usize>,
+    /// Exact scores of the whole plan; null where no mesh is known.
+    pub exact: Option<Scores>,
+    /// The exact scores after [`smoothing`](vantage_core::objectives::smoothing); null likewise.
+    pub smoothed: Option<Scores>,
+    /// Seconds spent, by phase.
+    pub seconds: Seconds,
+}
+
+/// The similarity that brings an object into the unit sphere, +Z up.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Normalise {
+    /// `world_from_object`, shape (4, 4).
+    pub world_from_object: Matrix4,
+}
+
+/// One chosen view.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct ViewRecord {
+    /// Index into the candidate pool.
+    pub index: usize,
+    /// Camera centre in world, metres (the object's sphere has radius 1).
+    pub position: [f32; 3],
+    /// `world_from_camera`, OpenGL camera axes, shape (4, 4).
+    pub world_from_camera: Matrix4,
+    /// The objective that chose it: coverage, geometry, diversity, texture; null for a view that
+    /// no single objective chose.
+    pub objective: Option<String>,
+    /// Why it was chosen, in words.
+    pub reason: String,
+    /// The expected gain of the objective (or of the scheme's own measure) when it was chosen.
+    pub gain: f32,
+    /// The scores once it is taken, before smoothing.
+    pub scores: Scores,
+}
+
+/// Seconds by phase.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Seconds {
+    /// Reading and normalising the object.
+    pub load: f64,
+    /// Rendering the candidates and labelling what each sees.
+    pub label: f64,
+    /// Planning alone.
+    pub plan: f64,
+    /// Rendering the chosen photos and writing the folder.
+    pub write: f64,
+}
+
+/// `world_from_camera` as shape (4, 4).
+pub fn matrix_of(pose: &Pose) -> Matrix4 {
+    let [a, b, c] = pose.rows().map(|row| row.map(f64::from));
+    [a, b, c, [0.0, 0.0, 0.0, 1.0]]
+}
+
+/// The scores of a growing set of views, for plots: entry `n` holds the scores after `n` views.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Curve {
+    /// The scheme.
+    pub label: String,
+    /// Scores after 0, 1, 2 … views.
+    pub scores: Vec<Scores>,
+    /// Lowest and highest scores over several seeds, where the curve is their mean; else empty.
+    pub low: Vec<Scores>,
+    /// See `low`.
+    pub high: Vec<Scores>,
+}
