@@ -1,0 +1,1 @@
+//! Vantage for JavaScript: types over `vantage-core`, no algorithm.
