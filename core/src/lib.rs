@@ -6,6 +6,7 @@
 extern crate std;
 
 pub mod camera;
+pub mod candidates;
 pub mod math;
 pub mod objectives;
 pub mod pose;

@@ -1,5 +1,18 @@
-//! What makes a set of views good: the four surrogate objectives of SO-NeRF (Lee et al., 2023).
+//! What makes a set of views good: the four surrogate objectives of SO-NeRF (Lee et al., 2023),
+//! computed exactly from what each view shows of a mesh.
+//!
+//! [`Ledger`] keeps the account as views are added and tells what a further one would gain;
+//! [`Reading`] says where we follow the paper to the letter and where we depart from it.
 
+mod diversity;
+mod ledger;
+mod reading;
 mod scores;
+mod surface;
+mod texture;
 
+pub use ledger::{FaceAccount, Ledger, WrongLength};
+pub use reading::{Form, Reading};
 pub use scores::{Objective, Scores, smoothing};
+pub use surface::{Face, FaceSet, Sighting, Surface, SurfaceError};
+pub use texture::{FLAT, hue_saturation, local_binary_pattern};
