@@ -30,6 +30,7 @@ pub(crate) enum Spread {
 
 /// The rays of one face.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Rays {
     count: f32,
     mean: Vec3,

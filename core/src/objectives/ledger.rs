@@ -17,9 +17,12 @@ use super::diversity::{self, Rays};
 use super::reading::{Form, Reading};
 use super::scores::{Objective, Scores};
 use super::surface::{Face, Sighting, Surface};
+#[cfg(feature = "serde")]
+use crate::record::{CRC, Sink, SnapshotError, Source};
 
 /// What is known of one face. The caller owns an array of these, one for each face.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct FaceAccount {
     seen: u32,
     geometry_spent: f32, // 1 - d_Q^seen
@@ -238,5 +241,40 @@ impl<'a> Ledger<'a> {
             }
             Form::Literal => (sum / f64::from(views.max(1))) as f32,
         }
+    }
+}
+
+#[cfg(feature = "serde")]
+impl Ledger<'_> {
+    /// Tells surfaces and readings apart.
+    pub(crate) fn fingerprint(&self) -> u32 {
+        let mut digest = CRC.digest();
+        let Reading { form, geometry_discount, texture_discount, sigma_q, beta_q } = self.reading;
+        let numbers = [geometry_discount, texture_discount, sigma_q, beta_q];
+        digest.update(&[u8::from(form == Form::Literal)]);
+        let faces = self.surface.faces().iter().flat_map(|face| {
+            let [x, y, z] = face.centroid.to_array();
+            [x, y, z, face.area_share, face.complexity]
+        });
+        let totals = [self.surface.texture_total()];
+        for number in numbers.into_iter().chain(totals).chain(faces) {
+            digest.update(&number.to_bits().to_le_bytes());
+        }
+        digest.finalize()
+    }
+
+    /// Writes the account.
+    pub(crate) fn save(&self, sink: &mut Sink<'_>) -> Result<(), SnapshotError> {
+        sink.put(&(self.views, self.texture))?;
+        self.accounts.iter().try_for_each(|account| sink.put(account))
+    }
+
+    /// Takes on an account that [`save`](Self::save) wrote.
+    pub(crate) fn load(&mut self, source: &mut Source<'_>) -> Result<(), SnapshotError> {
+        (self.views, self.texture) = source.take()?;
+        for account in &mut *self.accounts {
+            *account = source.take()?;
+        }
+        Ok(())
     }
 }

@@ -1,0 +1,182 @@
+//! The greedy choice: which candidate comes next. Ties go to the lowest index.
+//!
+//! Functions over slices, so that they are compiled once whatever the session's capacity.
+
+use glam::Vec3;
+use rand_core::Rng;
+use rand_pcg::Pcg32;
+
+use super::memory::{Candidate, View};
+use super::plan::Start;
+use super::scorer::Scorer;
+use crate::math;
+use crate::objectives::Objective;
+
+/// A chosen candidate and the gain expected of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Choice {
+    pub(super) index: usize,
+    pub(super) gain: f32,
+}
+
+/// What moving the camera takes off a gain.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Movement {
+    cost: f32,
+    from: Option<Vec3>, // the last view's direction from the centre
+    centre: Vec3,
+}
+
+impl Movement {
+    pub(super) fn new(cost: f32, centre: Vec3, views: &[View]) -> Self {
+        let from = views.last().map(|view| view.pose.position() - centre);
+        Self { cost, from: from.filter(|_| cost > 0.0), centre }
+    }
+
+    /// `gain - cost * angle / pi * |gain|`. It rises with the gain, since cost and share are at
+    /// most 1, so an upper bound of a gain bounds its value too.
+    fn value(&self, candidate: &Candidate, gain: f32) -> f32 {
+        let Some(from) = self.from else { return gain };
+        let to = candidate.pose().position() - self.centre;
+        let share = math::angle_between(from, to) / core::f32::consts::PI;
+        gain - self.cost * share.min(1.0) * gain.abs()
+    }
+}
+
+/// The available candidate of the highest value; NaN never wins.
+fn best(
+    candidates: &[Candidate],
+    value: impl Fn(usize, &Candidate) -> f32,
+) -> Option<(usize, f32)> {
+    let mut best = None;
+    for (index, candidate) in candidates.iter().enumerate() {
+        if !candidate.is_available() {
+            continue;
+        }
+        let value = value(index, candidate);
+        let wins = match best {
+            None => !value.is_nan(),
+            Some((_, highest)) => value > highest,
+        };
+        if wins {
+            best = Some((index, value));
+        }
+    }
+    best
+}
+
+/// The candidate that gains most in an objective.
+pub(super) fn by_objective<S: Scorer>(
+    scorer: &S,
+    objective: Objective,
+    candidates: &mut [Candidate],
+    views: usize,
+    movement: Movement,
+) -> Option<Choice> {
+    // The stamp of an answer that is up to date.
+    let now = (views as u32).saturating_add(1);
+    let known = candidates.iter().all(|c| !c.is_available() || c.asked(objective) > 0);
+    if !(scorer.diminishes(objective) && known) {
+        refresh(scorer, objective, candidates, now);
+    }
+    // Lazy greedy. A gain asked earlier is an upper bound of today's. Ask anew for the highest
+    // bound until the highest is up to date: no other can then exceed it, and of those that could
+    // equal it each one of a lower index has been asked.
+    loop {
+        let (index, _) = best(candidates, |_, c| movement.value(c, c.gain(objective)))?;
+        let candidate = candidates.get_mut(index)?;
+        if candidate.asked(objective) == now {
+            return Some(Choice { index, gain: candidate.gain(objective) });
+        }
+        let gain = scorer.gain(objective, index, candidate.pose());
+        candidate.set_gain(objective, gain);
+        candidate.set_asked(objective, now);
+    }
+}
+
+/// The candidate of the largest sum of gains, each brought to [0, 1] over the candidates.
+pub(super) fn by_sum<S: Scorer>(
+    scorer: &S,
+    candidates: &mut [Candidate],
+    views: usize,
+    movement: Movement,
+) -> Option<Choice> {
+    let now = (views as u32).saturating_add(1);
+    let ranges = Objective::ALL.map(|objective| {
+        refresh(scorer, objective, candidates, now);
+        let gains = candidates.iter().filter(|c| c.is_available()).map(|c| c.gain(objective));
+        let (low, high) = gains
+            .filter(|gain| !gain.is_nan())
+            .fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), g| (l.min(g), h.max(g)));
+        (objective, low, high - low)
+    });
+    let sum = |candidate: &Candidate| -> f32 {
+        let shares = ranges.iter().map(|&(objective, low, range)| {
+            if range > 0.0 { (candidate.gain(objective) - low) / range } else { 0.0 }
+        });
+        shares.sum()
+    };
+    let (index, _) = best(candidates, |_, c| movement.value(c, sum(c)))?;
+    // The mean of the four gains is what the stop rule compares.
+    let gains = candidates.get(index).map(|c| Objective::ALL.map(|o| c.gain(o)));
+    let gain = gains.map_or(0.0, |gains| gains.iter().sum::<f32>() / 4.0);
+    Some(Choice { index, gain })
+}
+
+/// Asks the scorer for the gains of all available candidates.
+pub(super) fn refresh<S: Scorer>(
+    scorer: &S,
+    objective: Objective,
+    candidates: &mut [Candidate],
+    now: u32,
+) {
+    scorer.gains(objective, candidates);
+    for candidate in candidates.iter_mut().filter(|c| c.is_available()) {
+        candidate.set_asked(objective, now);
+    }
+}
+
+/// The candidate farthest from every view; its gain is that distance in metres.
+///
+/// `None` where no view has been taken: everything is as far as anything.
+pub(super) fn by_distance(candidates: &[Candidate], movement: Movement) -> Option<Choice> {
+    let distance = |c: &Candidate| math::sqrt(c.nearest_squared);
+    let (index, _) = best(candidates, |_, c| movement.value(c, distance(c)))?;
+    let gain = candidates.get(index).map(distance)?;
+    gain.is_finite().then_some(Choice { index, gain })
+}
+
+/// A candidate by chance. Each draw has its own stream, so a restored session draws on.
+pub(super) fn by_chance(candidates: &[Candidate], seed: u64, draw: u64) -> Option<Choice> {
+    let available = candidates.iter().filter(|c| c.is_available()).count() as u64;
+    let mut chance = Pcg32::new(seed, draw);
+    // The high half of the product is even over [0, available) to one part in 2^32 / available.
+    let place = (u64::from(chance.next_u32()) * available) >> 32;
+    let mut rest = candidates.iter().enumerate().filter(|(_, c)| c.is_available());
+    rest.nth(place as usize).map(|(index, _)| Choice { index, gain: 0.0 })
+}
+
+/// The extreme candidate along the axis of a starting step: +x, +y, +z, then -x, -y, -z.
+fn by_axis(candidates: &[Candidate], step: usize, centre: Vec3) -> Option<Choice> {
+    let axis = *[Vec3::X, Vec3::Y, Vec3::Z, Vec3::NEG_X, Vec3::NEG_Y, Vec3::NEG_Z].get(step)?;
+    let (index, gain) = best(candidates, |_, c| (c.pose().position() - centre).dot(axis))?;
+    Some(Choice { index, gain })
+}
+
+/// The choice of a starting step, counted from 0.
+pub(super) fn by_start(
+    start: Start,
+    step: usize,
+    candidates: &[Candidate],
+    centre: Vec3,
+    movement: Movement,
+    chance: (u64, u64),
+) -> Option<Choice> {
+    let extreme = match start {
+        Start::PseudoCoverage => by_axis(candidates, step, centre),
+        Start::FarthestPoint => None,
+    };
+    extreme
+        .or_else(|| by_distance(candidates, movement))
+        .or_else(|| by_chance(candidates, chance.0, chance.1))
+}
