@@ -18,6 +18,7 @@
 //! DIR/
 //!   transforms_train.json, transforms_val.json, transforms_test.json
 //!   train/r_0.png …, val/r_0.png …, test/r_0.png …
+//!   nb-info.json               as above
 //! ```
 //!
 //! Further files may stand beside these, with one rule: instant-ngp reads **every** `.json` in the
@@ -142,6 +143,7 @@ pub fn write_into(
             val.map_or(Ok(()), check)?;
             write_synthetic(folder, "train", capture)?;
             write_synthetic(folder, "test", test)?;
+            save(folder, "nb-info.json", NB_INFO_SYNTHETIC)?;
             match val {
                 Some(val) => write_synthetic(folder, "val", val),
                 None => save_json(folder, "transforms_val.json", &transforms::split("test", test)?),
@@ -159,8 +161,18 @@ fn write_trainer(folder: &Path, capture: &Capture) -> Result<(), ExportError> {
     save(folder, "sparse_pc.ply", &points::ply(&points))?;
     colmap::write(&folder.join("sparse").join("0"), capture, &names, &points)?;
     // Without it nerfbaselines finds two formats in one folder and stops.
-    save(folder, "nb-info.json", b"{\"loader\": \"colmap\", \"type\": \"object-centric\"}\n")
+    save(folder, "nb-info.json", NB_INFO_TRAINER)
 }
+
+/// nerfbaselines' own readers of the two layouts. It guesses the first wrongly, the second never.
+const NB_INFO_TRAINER: &[u8] = br#"{"loader": "colmap", "type": "object-centric"}
+"#;
+const NB_INFO_SYNTHETIC: &[u8] = br#"{
+  "loader": "nerfbaselines.datasets.blender:load_blender_dataset",
+  "type": "object-centric",
+  "evaluation_protocol": "nerf"
+}
+"#;
 
 fn write_synthetic(folder: &Path, split: &str, capture: &Capture) -> Result<(), ExportError> {
     let names: Vec<String> = (0..capture.photos.len()).map(|n| format!("r_{n}.png")).collect();

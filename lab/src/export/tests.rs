@@ -160,6 +160,7 @@ fn the_synthetic_folder_has_three_splits() {
     let profile = Profile::NerfSynthetic { val: Some(&val), test: &test };
     let (_home, dir) = written(profile, &train);
     let expected = [
+        "nb-info.json",
         "test/r_0.png",
         "test/r_1.png",
         "train/r_0.png",
