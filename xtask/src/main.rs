@@ -1,1 +1,101 @@
-fn main() {}
+//! Developer tasks of Vantage. `cargo xtask help` lists them; users' commands are `cargo vantage`.
+
+mod cli;
+mod command;
+mod core_rules;
+mod firmware;
+mod readers;
+mod same_plan;
+mod serve;
+mod setup;
+mod steps;
+mod test;
+mod toolchain;
+mod wasm;
+mod web;
+mod workspace;
+
+use std::env;
+use std::process::ExitCode;
+
+use anyhow::{Result, bail};
+
+use setup::{Need, Tools};
+use workspace::Workspace;
+
+const HELP: &str = "\
+Developer tasks of Vantage. Usage: cargo xtask <task>
+
+  test [--quick] [--list] [STEP…]  run what CI runs: all steps, or those whose names begin so;
+                                   --quick leaves out the slow ones, --list only names them
+  setup                            obtain what the tasks need: Rust targets and components, QEMU,
+                                   Node; says in one message what is still missing
+  golden                           rewrite tests/same-plan/golden from the host's build
+  firmware                         build the Cortex-M firmware and run it in QEMU
+  wasm                             build the WebAssembly package into web/src/wasm
+  serve [PORT]                     build the page and serve it on 127.0.0.1 (default port 8080)
+  help                             this text
+
+Environment: CARGO_TARGET_DIR is respected; VANTAGE_SETUP=off makes every task use only what is
+installed already.
+";
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = env::args().skip(1).collect();
+    match run(&arguments) {
+        Ok(code) => code,
+        Err(error) => {
+            eprintln!("xtask: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(arguments: &[String]) -> Result<ExitCode> {
+    let (task, rest) = match arguments {
+        [] => ("help", [].as_slice()),
+        [task, rest @ ..] => (task.as_str(), rest),
+    };
+    if matches!(task, "help" | "--help" | "-h") {
+        print!("{HELP}");
+        return Ok(ExitCode::SUCCESS);
+    }
+    if !rest.is_empty() && !matches!(task, "test" | "serve") {
+        bail!("`{task}` takes no arguments, but got `{}`; see `cargo xtask help`", rest.join(" "));
+    }
+    let workspace = Workspace::find()?;
+    match task {
+        "test" => return test::run(&workspace, rest),
+        "setup" => {
+            let tools = Tools::obtain(&workspace, &Need::ALL);
+            println!("{}", tools.summary());
+            if let Some(message) = tools.missing_message() {
+                bail!("{message}");
+            }
+        }
+        "golden" => same_plan::write_golden(&workspace)?,
+        "firmware" => {
+            require(&workspace, &[Need::Thumbv7em, Need::Qemu])?;
+            firmware::run_all(&workspace)?;
+        }
+        "wasm" => {
+            require(&workspace, &[Need::Wasm32])?;
+            wasm::build(&workspace)?;
+        }
+        "serve" => {
+            let port = serve::port(rest)?;
+            require(&workspace, &[Need::Wasm32, Need::Npm])?;
+            serve::serve(&web::build(&workspace)?, port)?;
+        }
+        other => bail!("there is no task `{other}`; see `cargo xtask help`"),
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Obtains what a task cannot do without.
+fn require(workspace: &Workspace, needs: &[Need]) -> Result<()> {
+    match Tools::obtain(workspace, needs).missing_message() {
+        Some(message) => bail!("{message}"),
+        None => Ok(()),
+    }
+}

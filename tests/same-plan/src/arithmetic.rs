@@ -1,6 +1,6 @@
 //! The float functions on a sweep of arguments.
 
-use core::f32::consts::{FRAC_PI_2, PI};
+use core::f32::consts::{E, FRAC_PI_2, PI};
 use core::fmt::{self, Write};
 
 use vantage_core::{Vec3, math};
@@ -18,7 +18,7 @@ const ARGUMENTS: [f32; 16] = [
     0.5,
     1.0,
     FRAC_PI_2,
-    2.718_281_8,
+    E,
     PI,
     10.0,
     88.5, // just below where exp overflows

@@ -33,9 +33,8 @@ pub fn poses(out: &mut dyn Write) -> fmt::Result {
         match Pose::looking_at(eye, TARGET) {
             Ok(pose) => {
                 let (q, forward, up) = (pose.rotation(), pose.forward(), pose.up());
-                let values = [
-                    q.x, q.y, q.z, q.w, forward.x, forward.y, forward.z, up.x, up.y, up.z,
-                ];
+                let values =
+                    [q.x, q.y, q.z, q.w, forward.x, forward.y, forward.z, up.x, up.y, up.z];
                 line(out, format_args!("pose {index}"), &values)?;
             }
             Err(error) => writeln!(out, "pose {index} refused: {error}")?,
@@ -71,11 +70,9 @@ pub fn projections(out: &mut dyn Write) -> fmt::Result {
             let sign = |bit: u8| if corner >> bit & 1 == 1 { 1.5 } else { -1.5 };
             let point_in_world = TARGET + Vec3::new(sign(0), sign(1), sign(2));
             match camera.project(pose.camera_from_world(point_in_world)) {
-                Some(pixel) => line(
-                    out,
-                    format_args!("view {index} corner {corner}"),
-                    &[pixel.x, pixel.y],
-                )?,
+                Some(pixel) => {
+                    line(out, format_args!("view {index} corner {corner}"), &[pixel.x, pixel.y])?
+                }
                 None => writeln!(out, "view {index} corner {corner} behind")?,
             }
         }

@@ -14,5 +14,7 @@ fn main() -> ! {
 
 #[cfg(not(target_os = "none"))]
 fn main() {
-    eprintln!("firmware: this program runs on a Cortex-M; `cargo xtask firmware` builds and runs it");
+    eprintln!(
+        "firmware: this program runs on a Cortex-M; `cargo xtask firmware` builds and runs it"
+    );
 }

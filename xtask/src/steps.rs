@@ -1,0 +1,165 @@
+//! The steps of `cargo xtask test`, in their order: what is quick and says most comes first.
+
+use anyhow::Result;
+
+use crate::command;
+use crate::setup::Need;
+use crate::test::Outcome;
+use crate::toolchain::Target;
+use crate::workspace::{Workspace, cargo};
+use crate::{cli, core_rules, readers, same_plan, web};
+
+/// One step of the tests.
+pub struct Step {
+    /// What one types to run it alone.
+    pub name: &'static str,
+    /// What it shows, in one line.
+    pub about: &'static str,
+    /// Left out by `--quick`.
+    pub slow: bool,
+    /// Without these it is skipped, by name.
+    pub needs: &'static [Need],
+    /// Runs it; an error is a failure.
+    pub run: fn(&Workspace) -> Result<Outcome>,
+}
+
+/// Every step.
+pub const STEPS: &[Step] = &[
+    Step {
+        name: "core-rules",
+        about: "core names no std, no alloc, and no unsafe outside its kernels",
+        slow: false,
+        needs: &[],
+        run: |workspace| core_rules::check(workspace).map(Outcome::passed),
+    },
+    Step {
+        name: "format",
+        about: "the sources are as rustfmt writes them",
+        slow: false,
+        needs: &[Need::Rustfmt],
+        run: |workspace| run_cargo(workspace, &["fmt", "--all", "--check"]),
+    },
+    Step {
+        name: "clippy",
+        about: "the linter finds nothing, with all features",
+        slow: false,
+        needs: &[Need::Clippy],
+        run: clippy,
+    },
+    Step {
+        name: "unit",
+        about: "cargo test of the whole workspace",
+        slow: false,
+        needs: &[],
+        run: |workspace| run_cargo(workspace, &["test", "--quiet", "--workspace"]),
+    },
+    Step {
+        name: "core-features",
+        about: "core's tests with no features, each alone, and all",
+        slow: true,
+        needs: &[],
+        run: core_features,
+    },
+    Step {
+        name: "core-wasm32",
+        about: "core builds for wasm32-unknown-unknown",
+        slow: false,
+        needs: &[Need::Wasm32],
+        run: |workspace| build_core(workspace, Target::Wasm32),
+    },
+    Step {
+        name: "core-thumbv7em",
+        about: "core builds for thumbv7em-none-eabihf, where there is no std",
+        slow: false,
+        needs: &[Need::Thumbv7em],
+        run: |workspace| build_core(workspace, Target::Thumbv7em),
+    },
+    Step {
+        name: "rustdoc",
+        about: "the documentation builds without a warning",
+        slow: true,
+        needs: &[],
+        run: rustdoc,
+    },
+    Step {
+        name: "same-plan-host",
+        about: "the host's release build writes the committed plans",
+        slow: false,
+        needs: &[],
+        run: |workspace| same_plan::on_host(workspace).map(Outcome::passed),
+    },
+    Step {
+        name: "same-plan-wasm32",
+        about: "WebAssembly in Node writes the committed plans",
+        slow: false,
+        needs: &[Need::Wasm32, Need::Node],
+        run: |workspace| same_plan::on_wasm32(workspace).map(Outcome::passed),
+    },
+    Step {
+        name: "same-plan-thumbv7em",
+        about: "a Cortex-M4F in QEMU writes the committed plans",
+        slow: false,
+        needs: &[Need::Thumbv7em, Need::Qemu],
+        run: |workspace| same_plan::on_thumbv7em(workspace).map(Outcome::passed),
+    },
+    Step {
+        name: "cli",
+        about: "the command line writes what it says and refuses bad input",
+        slow: false,
+        needs: &[],
+        run: |workspace| cli::test(workspace).map(Outcome::passed),
+    },
+    Step {
+        name: "readers",
+        about: "other people's programs read our exports",
+        slow: true,
+        needs: &[Need::Python],
+        run: readers::test,
+    },
+    Step {
+        name: "web",
+        about: "the page's types and tests, and its production build",
+        slow: true,
+        needs: &[Need::Wasm32, Need::Npm],
+        run: web::test,
+    },
+];
+
+fn run_cargo(workspace: &Workspace, arguments: &[&str]) -> Result<Outcome> {
+    command::run(command::new(&workspace.root, cargo()).args(arguments))?;
+    Ok(Outcome::Passed)
+}
+
+fn clippy(workspace: &Workspace) -> Result<Outcome> {
+    let scope = ["clippy", "--quiet", "--workspace", "--all-targets", "--all-features"];
+    run_cargo(workspace, &[scope.as_slice(), &["--", "-D", "warnings"]].concat())
+}
+
+fn core_features(workspace: &Workspace) -> Result<Outcome> {
+    let features = workspace.features("vantage-core")?;
+    let mut sets = vec![String::new()];
+    sets.extend(features.iter().cloned());
+    if features.len() > 1 {
+        sets.push(features.join(","));
+    }
+    for set in &sets {
+        let base = ["test", "--quiet", "--package", "vantage-core", "--no-default-features"];
+        run_cargo(workspace, &[base.as_slice(), &["--features", set]].concat())?;
+    }
+    Ok(Outcome::Passed)
+}
+
+fn build_core(workspace: &Workspace, target: Target) -> Result<Outcome> {
+    for features in ["--no-default-features", "--all-features"] {
+        let (mut build, _) = target.build(workspace);
+        command::run(build.args(["--package", "vantage-core", features]))?;
+    }
+    Ok(Outcome::Passed)
+}
+
+fn rustdoc(workspace: &Workspace) -> Result<Outcome> {
+    let mut doc = command::new(&workspace.root, cargo());
+    doc.args(["doc", "--quiet", "--workspace", "--no-deps", "--all-features"]);
+    command::run(doc.env("RUSTDOCFLAGS", "-D warnings"))?;
+    Ok(Outcome::Passed)
+}
