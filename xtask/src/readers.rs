@@ -1,87 +1,109 @@
-//! Other people's programs read the folders that `cargo vantage plan` writes.
+//! Other people's programs read the folders that we export.
 //!
-//! `tests/readers` holds Python scripts and `requirements*.txt`; its README says what each reads.
-//! They run in a virtual environment of their own under the target directory.
+//! `tests/readers/README.md` says what each script checks. Each reader has its own virtual
+//! environment under the target directory, since they need different versions of numpy.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 
-use crate::cli;
 use crate::command;
 use crate::test::Outcome;
-use crate::workspace::Workspace;
+use crate::workspace::{Workspace, cargo};
 
-/// Where the scripts lie.
 const FOLDER: &str = "tests/readers";
 
-/// Writes a plan, installs the readers and runs each of them on it.
+/// One script with its requirements: `check_<name>.py`, `requirements-<name>.txt`.
+struct Reader {
+    name: &'static str,
+    /// What pip is told besides the requirements.
+    pip: &'static [&'static str],
+    /// The folders it is given, below the one that [`write_folders`] fills.
+    folders: &'static [&'static str],
+}
+
+/// Every reader. To add one, add a line.
+const READERS: &[Reader] = &[
+    Reader { name: "colmap", pip: &[], folders: &["trainer"] },
+    Reader { name: "nerfbaselines", pip: &["--no-deps"], folders: &["trainer", "synthetic"] },
+];
+
+/// The versions of Python for which every reader has a wheel.
+const PYTHONS: [&str; 2] = ["3.11", "3.12"];
+
+/// Writes folders, installs the readers and runs each of them; every script also shows that it
+/// finds faults.
 pub fn test(workspace: &Workspace) -> Result<Outcome> {
-    let folder = workspace.path(FOLDER);
-    if !folder.is_dir() {
-        return Ok(Outcome::Skipped(format!("{FOLDER} does not exist")));
-    }
-    let environment = workspace.target.join("xtask/readers");
-    let python = match install(workspace, &folder, &environment) {
-        Ok(python) => python,
-        Err(error) => return Ok(Outcome::Skipped(format!("pip could not install: {error:#}"))),
+    let Some(python) = python(workspace) else {
+        return Ok(Outcome::Skipped(format!("Python {} is missing", PYTHONS.join(" or "))));
     };
-    let plan = write_plan(workspace)?;
-    for script in files(&folder, "", ".py")? {
-        command::run(command::new(&workspace.root, &python).arg(script).arg(&plan))?;
+    let mut environments = Vec::new();
+    for reader in READERS {
+        match install(workspace, &python, reader) {
+            Ok(environment) => environments.push(environment),
+            Err(error) => {
+                let reason = format!("{} could not be installed: {error:#}", reader.name);
+                return Ok(Outcome::Skipped(reason));
+            }
+        }
+    }
+    let folders = write_folders(workspace)?;
+    for (reader, environment) in READERS.iter().zip(environments) {
+        for mode in [None, Some("--self-test")] {
+            let mut check = command::new(&workspace.root, &environment);
+            check.arg(format!("{FOLDER}/check_{}.py", reader.name)).args(mode);
+            check.args(reader.folders.iter().map(|folder| folders.join(folder)));
+            command::run(&mut check)?;
+        }
     }
     Ok(Outcome::Passed)
 }
 
-/// A folder with every export of one plan.
-fn write_plan(workspace: &Workspace) -> Result<PathBuf> {
-    let out = workspace.target.join("xtask/readers-plan");
+/// Folders of both profiles, without a mesh or a renderer.
+fn write_folders(workspace: &Workspace) -> Result<PathBuf> {
+    let out = workspace.target.join("xtask/readers-folders");
     if out.exists() {
         fs::remove_dir_all(&out)?;
     }
-    let program = cli::build(workspace)?;
-    let mut plan = command::new(&workspace.root, program);
-    command::run(plan.args(["plan", "--out"]).arg(&out))?;
+    fs::create_dir_all(&out)?;
+    let mut example = command::new(&workspace.root, cargo());
+    example.args(["run", "--quiet", "--package", "vantage-lab", "--example", "sample_folders"]);
+    command::run(example.arg("--").arg(&out))?;
     Ok(out)
 }
 
-/// Makes the environment, unless it holds these very requirements already; returns its Python.
-fn install(workspace: &Workspace, folder: &Path, environment: &Path) -> Result<PathBuf> {
-    let requirements = files(folder, "requirements", ".txt")?;
-    let mut wanted = String::new();
-    for path in &requirements {
-        wanted += &fs::read_to_string(path)?;
-    }
-    let stamp = environment.join("installed.txt");
-    let python = environment.join(if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" });
-    if python.exists() && fs::read_to_string(&stamp).is_ok_and(|installed| installed == wanted) {
-        return Ok(python);
-    }
-    let mut venv = command::new(&workspace.root, "python3");
-    command::run(venv.args(["-m", "venv", "--clear"]).arg(environment))?;
-    if !requirements.is_empty() {
-        let mut pip = command::new(&workspace.root, &python);
-        pip.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check"]);
-        for path in &requirements {
-            pip.arg("--requirement").arg(path);
-        }
-        command::run(&mut pip)?;
-    }
-    fs::write(stamp, wanted)?;
-    Ok(python)
+/// A Python of a version that the readers have wheels for.
+fn python(workspace: &Workspace) -> Option<String> {
+    let names = PYTHONS.iter().map(|version| format!("python{version}"));
+    ["python3".to_owned()].into_iter().chain(names).find(|name| {
+        let mut version = command::new(&workspace.root, name);
+        let script = "import ensurepip, sys, venv; print('%d.%d' % sys.version_info[:2])";
+        command::probe(version.args(["-c", script]))
+            .is_some_and(|found| PYTHONS.contains(&found.as_str()))
+    })
 }
 
-/// The files of a folder whose names begin and end so, sorted.
-fn files(folder: &Path, begin: &str, end: &str) -> Result<Vec<PathBuf>> {
-    let mut found = Vec::new();
-    for entry in fs::read_dir(folder).with_context(|| format!("no folder {}", folder.display()))? {
-        let entry = entry?;
-        let name = entry.file_name();
-        if name.to_str().is_some_and(|name| name.starts_with(begin) && name.ends_with(end)) {
-            found.push(entry.path());
-        }
+/// Makes a reader's environment, unless it holds these requirements already; gives its Python.
+fn install(workspace: &Workspace, python: &str, reader: &Reader) -> Result<PathBuf> {
+    let requirements = workspace.path(&format!("{FOLDER}/requirements-{}.txt", reader.name));
+    let wanted = fs::read_to_string(&requirements)
+        .with_context(|| format!("{} is not there", requirements.display()))?;
+    let environment = workspace.target.join("xtask/readers").join(reader.name);
+    let inside = environment.join(if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" });
+    let stamp = environment.join("installed.txt");
+    if is_installed(&inside, &stamp, &wanted) {
+        return Ok(inside);
     }
-    found.sort();
-    Ok(found)
+    let mut venv = command::new(&workspace.root, python);
+    command::run(venv.args(["-m", "venv", "--clear"]).arg(&environment))?;
+    let mut pip = command::new(&workspace.root, &inside);
+    pip.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check"]);
+    command::run(pip.args(reader.pip).arg("--requirement").arg(&requirements))?;
+    fs::write(stamp, wanted)?;
+    Ok(inside)
+}
+
+fn is_installed(python: &Path, stamp: &Path, wanted: &str) -> bool {
+    python.exists() && fs::read_to_string(stamp).is_ok_and(|installed| installed == wanted)
 }

@@ -11,6 +11,7 @@
 
 mod arithmetic;
 mod geometry;
+mod plans;
 
 use core::fmt::{self, Write};
 
@@ -24,6 +25,9 @@ const SECTIONS: &[(&str, Section)] = &[
     ("poses", geometry::poses),
     ("refused poses", geometry::refused),
     ("projections", geometry::projections),
+    ("candidates", plans::candidates),
+    ("plans by poses", plans::blind),
+    ("plans by exact scores", plans::exact),
 ];
 
 /// Writes the whole text: a heading `[name]` and its lines for each section.
