@@ -1,4 +1,14 @@
 //! Host tools of Vantage: meshes, rendering, exact scores, plans and exports.
 
+pub mod commands;
+pub mod exact;
 pub mod export;
+pub mod label;
+pub mod mesh;
+pub mod object;
+pub mod pool;
 pub mod record;
+pub mod render;
+pub mod scheme;
+pub mod seen_points;
+pub mod surface;

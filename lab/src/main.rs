@@ -1,1 +1,36 @@
-fn main() {}
+//! `cargo vantage`: plans and compares captures.
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+use vantage_lab::commands::{compare, plan};
+
+/// Plans the next best photo of an object for radiance-field capture
+#[derive(Parser)]
+#[command(name = "cargo vantage", version, propagate_version = true)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Choose views of an object, and write their photos as a folder that trainers open
+    Plan(plan::PlanArgs),
+    /// Compare schemes by exact scores over objects and budgets
+    Compare(compare::CompareArgs),
+}
+
+fn main() -> ExitCode {
+    let result = match Cli::parse().command {
+        Command::Plan(args) => plan::run(&args),
+        Command::Compare(args) => compare::run(&args),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}

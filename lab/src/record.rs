@@ -3,7 +3,7 @@
 //! These names are stable. New fields may be added; none is renamed or changes its meaning.
 
 use serde::{Deserialize, Serialize};
-use vantage_core::{Pose, Scores};
+use vantage_core::{Objective, Pose, Scores};
 
 /// A matrix of shape (4, 4), row by row.
 pub type Matrix4 = [[f64; 4]; 4];
@@ -94,4 +94,28 @@ pub struct Curve {
     pub low: Vec<Scores>,
     /// See `low`.
     pub high: Vec<Scores>,
+}
+
+impl Curve {
+    /// The mean of several runs, with their lowest and highest scores.
+    ///
+    /// `runs` has shape (runs, views + 1); all runs have the same length.
+    pub fn of_runs(label: &str, runs: &[Vec<Scores>]) -> Self {
+        let length = runs.iter().map(Vec::len).min().unwrap_or(0);
+        let at = |views: usize, fold: fn(&[f32]) -> f32| -> Scores {
+            let of = |objective| {
+                let values: Vec<f32> = runs.iter().map(|run| run[views].get(objective)).collect();
+                fold(&values)
+            };
+            let [coverage, geometry, diversity, texture] = Objective::ALL.map(of);
+            Scores { coverage, geometry, diversity, texture }
+        };
+        let all = |fold: fn(&[f32]) -> f32| (0..length).map(|views| at(views, fold)).collect();
+        Self {
+            label: label.to_owned(),
+            scores: all(|values| values.iter().sum::<f32>() / values.len() as f32),
+            low: all(|values| values.iter().copied().fold(f32::INFINITY, f32::min)),
+            high: all(|values| values.iter().copied().fold(f32::NEG_INFINITY, f32::max)),
+        }
+    }
 }

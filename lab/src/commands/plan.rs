@@ -1,0 +1,314 @@
+//! `cargo vantage plan`: from an object to a plan, its photos, and a folder that trainers open.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use anyhow::{Context, Result, bail};
+use clap::{Args, ValueEnum};
+use rayon::prelude::*;
+use vantage_core::candidates::{Pool, ViewSpace};
+use vantage_core::objectives::Reading;
+use vantage_core::planner::{Plan, Start, Stop, shortest_tour};
+use vantage_core::{Camera, Pose, Scores, Vec3};
+
+use crate::exact::{Labelled, Step};
+use crate::export::{self, Capture, Photo, Profile, Staging};
+use crate::label::RESOLUTION;
+use crate::object::Object;
+use crate::pool::{DISTANCE, FOV_X_RAD, PoolArgs};
+use crate::record::{Curve, Normalise, PlanRecord, Seconds, ViewRecord, matrix_of};
+use crate::render::{PhotoOptions, Renderer};
+use crate::scheme;
+use crate::seen_points;
+
+/// Options of `plan`.
+#[derive(Args, Clone, Debug)]
+pub struct PlanArgs {
+    /// A GLB, glTF or OBJ file, or the name of a built-in object; the first of these if left out
+    pub object: Option<String>,
+    /// Number of views to choose
+    #[arg(long, short, default_value_t = 20, value_name = "B")]
+    pub budget: usize,
+    /// How views are chosen: e, e-literal, c, q, d, t, sum, fps, pc-fps, random
+    #[arg(long, short, default_value = "e", value_name = "S")]
+    pub scheme: String,
+    #[command(flatten)]
+    pub pool: PoolArgs,
+    /// Seed of what the planner leaves to chance: the first view, and the random scheme
+    #[arg(long, default_value_t = 0, value_name = "K")]
+    pub seed: u64,
+    /// Seed of a built-in object
+    #[arg(long, default_value_t = 0, value_name = "K")]
+    pub object_seed: u64,
+    /// How the first three views are chosen, where the scheme does not say
+    #[arg(long, value_enum)]
+    pub start: Option<StartArg>,
+    /// Share of a view's gain that half a turn of the camera costs it, 0 to 1
+    #[arg(long, default_value_t = 0.0, value_name = "COST")]
+    pub movement_cost: f32,
+    /// Stop early once six choices in a row promise less than this gain (1 is all there is)
+    #[arg(long, value_name = "GAIN")]
+    pub stop: Option<f32>,
+    /// Compute the paper's equations to the letter
+    #[arg(long)]
+    pub literal: bool,
+    /// Folder to write: photos, transforms.json, COLMAP model, plan.json, report.html
+    #[arg(long, short, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Layout of the folder
+    #[arg(long, value_enum, default_value_t = ProfileArg::Trainer)]
+    pub profile: ProfileArg,
+    /// Width and height of the photos in pixels
+    #[arg(long, default_value_t = 512, value_name = "PIXELS")]
+    pub size: u32,
+    /// Print the plan as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Ways to the first three views.
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StartArg {
+    /// One by chance, then the farthest from those taken
+    Fps,
+    /// The extreme view along +x, +y and +z
+    PseudoCoverage,
+}
+
+/// Layouts of the folder.
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ProfileArg {
+    /// One folder for nerfstudio, instant-ngp, brush, gsplat, Inria 3DGS and COLMAP
+    Trainer,
+    /// The layout of NeRF's synthetic scenes, with 200 test views on a smooth spiral
+    NerfSynthetic,
+}
+
+/// Views held out for the scores in NeRF's synthetic layout.
+const TEST_VIEWS: usize = 200;
+
+/// Seeds of the random plans drawn beside the plan.
+const RANDOM_SEEDS: u64 = 10;
+
+/// Points in the sparse cloud.
+const POINTS: usize = 5_000;
+
+/// Makes the plan and writes what was asked for.
+pub fn run(args: &PlanArgs) -> Result<()> {
+    let reading = if args.literal { Reading::literal() } else { Reading::default() };
+    // Whatever can be refused is refused before the long work.
+    let plan = plan_of(args)?;
+    if args.size == 0 || args.size > 8192 {
+        bail!("photos of {} pixels cannot be rendered: give --size between 1 and 8192", args.size);
+    }
+    let poses = args.pool.poses()?;
+    plan.check(poses.len())?;
+    let staging = args.out.as_deref().map(Staging::begin).transpose()?;
+
+    let start = Instant::now();
+    let object = Object::open(args.object.as_deref(), args.object_seed)?;
+    super::warn(&object.warnings);
+    let mut seconds = Seconds { load: start.elapsed().as_secs_f64(), ..Seconds::default() };
+
+    let start = Instant::now();
+    let label_camera = Camera::from_fov(RESOLUTION, RESOLUTION, FOV_X_RAD)?;
+    let bar = super::progress("labelling", poses.len());
+    let labelled = Labelled::new(&object.mesh, &label_camera, poses, reading, || bar.inc(1));
+    bar.finish_and_clear();
+    seconds.label = start.elapsed().as_secs_f64();
+
+    let bar = super::progress("planning", args.budget);
+    let steps = labelled.run(plan, || bar.inc(1))?;
+    bar.finish_and_clear();
+    seconds.plan = steps.last().map_or(0.0, |step| step.seconds);
+
+    let mut record = record_of(args, &object, &labelled, &steps, seconds);
+    if let Some(staging) = staging {
+        let start = Instant::now();
+        write_folder(args, &object, &labelled, &label_camera, &steps, &staging, &record)?;
+        record.seconds.write = start.elapsed().as_secs_f64();
+        save_json(&staging.path().join("plan.json"), &record)?;
+        let folder = staging.commit()?;
+        eprintln!("wrote {}", folder.display());
+    }
+    if args.json {
+        println!("{}", serde_json::to_string(&record)?);
+    } else {
+        print_table(&record, args.budget);
+    }
+    Ok(())
+}
+
+fn plan_of(args: &PlanArgs) -> Result<Plan> {
+    let mut plan = scheme::plan(&args.scheme, args.budget, args.seed)
+        .with_context(|| scheme::unknown(&args.scheme))?
+        .with_movement_cost(args.movement_cost);
+    match args.start {
+        Some(StartArg::Fps) => plan = plan.with_start(Start::FarthestPoint),
+        Some(StartArg::PseudoCoverage) => plan = plan.with_start(Start::PseudoCoverage),
+        None => {}
+    }
+    if let Some(gain) = args.stop {
+        plan = plan.with_stop(Stop { gain, ..Stop::default() });
+    }
+    Ok(plan)
+}
+
+fn record_of(
+    args: &PlanArgs,
+    object: &Object,
+    labelled: &Labelled,
+    steps: &[Step],
+    seconds: Seconds,
+) -> PlanRecord {
+    let view = |step: &Step| ViewRecord {
+        index: step.next.index,
+        position: step.next.pose.position().to_array(),
+        world_from_camera: matrix_of(&step.next.pose),
+        objective: step.next.objective.map(|objective| objective.name().to_owned()),
+        reason: step.next.reason.to_string(),
+        gain: step.next.gain,
+        scores: step.scores,
+    };
+    let place = |index: usize| -> Vec3 { steps[index].next.pose.position() };
+    let mut tour: Vec<usize> = (0..steps.len()).collect();
+    shortest_tour(None, place, &mut tour);
+    let exact = steps.last().map(|step| step.scores);
+    PlanRecord {
+        object: object.name.clone(),
+        scheme: args.scheme.clone(),
+        budget: args.budget,
+        seed: args.seed,
+        pool_seed: args.pool.pool_seed,
+        candidates: labelled.poses.len(),
+        normalise: Normalise { world_from_object: object.world_from_object },
+        views: steps.iter().map(view).collect(),
+        tour,
+        exact,
+        smoothed: exact.map(|scores| scores.smoothed()),
+        seconds,
+    }
+}
+
+/// Everything but `plan.json`, into the folder in the making.
+fn write_folder(
+    args: &PlanArgs,
+    object: &Object,
+    labelled: &Labelled,
+    label_camera: &Camera,
+    steps: &[Step],
+    staging: &Staging,
+    record: &PlanRecord,
+) -> Result<()> {
+    let renderer = Renderer::new(&object.mesh);
+    let camera = Camera::from_fov(args.size, args.size, FOV_X_RAD)?;
+    let poses: Vec<Pose> = steps.iter().map(|step| step.next.pose).collect();
+    let seen: Vec<_> = poses
+        .par_iter()
+        .map(|pose| {
+            let (faces, colours) = renderer.labelled(label_camera, pose);
+            (*pose, faces, colours)
+        })
+        .collect();
+    let points = seen_points::points(&seen, label_camera, labelled.faces(), POINTS);
+    let capture = Capture { camera, photos: photos(&renderer, &camera, &poses), points };
+    match args.profile {
+        ProfileArg::Trainer => export::write_into(staging.path(), Profile::Trainer, &capture)?,
+        ProfileArg::NerfSynthetic => {
+            let test = test_capture(&renderer, camera)?;
+            let profile = Profile::NerfSynthetic { val: None, test: &test };
+            export::write_into(staging.path(), profile, &capture)?;
+        }
+    }
+    let curves = curves(args, labelled, steps)?;
+    let _ = (curves, record);
+    Ok(())
+}
+
+fn photos(renderer: &Renderer, camera: &Camera, poses: &[Pose]) -> Vec<Photo> {
+    let bar = super::progress("rendering", poses.len());
+    let photo = |pose: &Pose| {
+        let image = renderer.photo(camera, pose, &PhotoOptions::default());
+        bar.inc(1);
+        Photo { pose: *pose, image }
+    };
+    let photos = poses.par_iter().map(photo).collect();
+    bar.finish_and_clear();
+    photos
+}
+
+/// The views of the smooth spiral on which reconstructions are scored.
+fn test_capture(renderer: &Renderer, camera: Camera) -> Result<Capture> {
+    let spiral = ViewSpace::Spiral {
+        turns: 5.0,
+        min_elevation_rad: (-40f32).to_radians(),
+        max_elevation_rad: 70f32.to_radians(),
+    };
+    let poses: Vec<Pose> = Pool::try_new(spiral, TEST_VIEWS, DISTANCE)?.iter().collect();
+    Ok(Capture { camera, photos: photos(renderer, &camera, &poses), points: Vec::new() })
+}
+
+/// The plan's scores against the number of views, with farthest points and chance beside it.
+fn curves(args: &PlanArgs, labelled: &Labelled, steps: &[Step]) -> Result<Vec<Curve>> {
+    let scores_of = |steps: &[Step]| -> Vec<Scores> {
+        [Scores::default()].into_iter().chain(steps.iter().map(|step| step.scores)).collect()
+    };
+    let other = |name: &str, seed: u64| -> Result<Vec<Scores>> {
+        let plan = scheme::plan(name, args.budget, seed).context("a scheme by its name")?;
+        Ok(scores_of(&labelled.run(plan, || {})?))
+    };
+    let mut curves = vec![Curve {
+        label: args.scheme.clone(),
+        scores: scores_of(steps),
+        low: Vec::new(),
+        high: Vec::new(),
+    }];
+    if args.scheme != "fps" {
+        let scores = other("fps", args.seed)?;
+        curves.push(Curve { label: "fps".into(), scores, low: Vec::new(), high: Vec::new() });
+    }
+    let random = (0..RANDOM_SEEDS).map(|seed| other("random", seed)).collect::<Result<Vec<_>>>()?;
+    curves.push(Curve::of_runs("random", &random));
+    Ok(curves)
+}
+
+fn save_json(path: &Path, record: &PlanRecord) -> Result<()> {
+    let mut text = serde_json::to_string_pretty(record)?;
+    text.push('\n');
+    fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))
+}
+
+fn print_table(record: &PlanRecord, budget: usize) {
+    println!(
+        "{}: {} of {} candidate views, scheme {}",
+        record.object,
+        record.views.len(),
+        record.candidates,
+        record.scheme
+    );
+    println!(
+        "{:>4} {:>6}  {:<10} {:>8}  {:>8} {:>8} {:>9} {:>8}  why",
+        "view", "index", "objective", "gain", "coverage", "geometry", "diversity", "texture"
+    );
+    for (number, view) in record.views.iter().enumerate() {
+        let Scores { coverage, geometry, diversity, texture } = view.scores;
+        println!(
+            "{:>4} {:>6}  {:<10} {:>8.4}  {:>8.4} {:>8.4} {:>9.4} {:>8.4}  {}",
+            number + 1,
+            view.index,
+            view.objective.as_deref().unwrap_or("-"),
+            view.gain,
+            coverage,
+            geometry,
+            diversity,
+            texture,
+            view.reason
+        );
+    }
+    if record.views.len() < budget {
+        println!("good enough after {} views: further ones promise too little", record.views.len());
+    }
+    let Seconds { load, label, plan, write } = record.seconds;
+    println!("seconds: load {load:.2}, label {label:.2}, plan {plan:.3}, write {write:.2}");
+}

@@ -1,0 +1,160 @@
+//! The candidate pool of a plan: generated from a seed, or read from a file.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, anyhow, bail};
+use clap::{Args, ValueEnum};
+use serde_json::Value;
+use vantage_core::Pose;
+use vantage_core::candidates::{Pool, ViewSpace};
+
+/// Distance of the cameras from the object's centre, in radii of its bounding sphere. With
+/// [`FOV_X_RAD`] the sphere just fits the picture, and readers of NeRF's synthetic scenes, who take
+/// 2 to 6 as near and far, see all of it.
+pub const DISTANCE: f32 = 3.0;
+
+/// Horizontal field of view: that of NeRF's synthetic scenes (Mildenhall et al., 2020).
+pub const FOV_X_RAD: f32 = 0.691_111_2;
+
+/// The candidate pool. It depends on these alone, so that schemes choose from the same views.
+#[derive(Args, Clone, Debug)]
+pub struct PoolArgs {
+    /// Number of candidate views
+    #[arg(long, default_value_t = 100, value_name = "N")]
+    pub candidates: usize,
+    /// Seed of the candidate pool
+    #[arg(long, default_value_t = 0, value_name = "K")]
+    pub pool_seed: u64,
+    /// Where candidate views may stand
+    #[arg(long, value_enum, default_value_t = Space::Sphere)]
+    pub space: Space,
+    /// Lowest elevation in degrees, for all spaces but `sphere` and `fibonacci`
+    #[arg(long, default_value_t = 5.0, value_name = "DEGREES", allow_hyphen_values = true)]
+    pub min_elevation: f32,
+    /// Highest elevation in degrees, likewise
+    #[arg(long, default_value_t = 80.0, value_name = "DEGREES", allow_hyphen_values = true)]
+    pub max_elevation: f32,
+    /// Number of rings, for `rings`; number of turns, for `spiral`
+    #[arg(long, default_value_t = 4, value_name = "N")]
+    pub rings: usize,
+    /// Take the candidates from a JSON file instead: a list of world_from_camera matrices (4 x 4,
+    /// OpenGL camera axes), a transforms.json, or a plan.json
+    #[arg(long, value_name = "FILE")]
+    pub pool: Option<PathBuf>,
+}
+
+/// Spaces of views.
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Space {
+    /// Drawn evenly from the whole sphere
+    Sphere,
+    /// A golden-angle lattice on the whole sphere
+    Fibonacci,
+    /// A golden-angle lattice between two elevations
+    Hemisphere,
+    /// Level rings, as from a turntable
+    Rings,
+    /// One line that winds upwards
+    Spiral,
+}
+
+impl PoolArgs {
+    /// The candidates, in order.
+    pub fn poses(&self) -> Result<Vec<Pose>> {
+        match &self.pool {
+            Some(path) => read(path).with_context(|| format!("cannot use the pool {}", path.display())),
+            None => Ok(Pool::try_new(self.view_space(), self.candidates, DISTANCE)?.iter().collect()),
+        }
+    }
+
+    fn view_space(&self) -> ViewSpace {
+        let min_elevation_rad = self.min_elevation.to_radians();
+        let max_elevation_rad = self.max_elevation.to_radians();
+        match self.space {
+            Space::Sphere => ViewSpace::RandomSphere { seed: self.pool_seed },
+            Space::Fibonacci => ViewSpace::FibonacciSphere,
+            Space::Hemisphere => ViewSpace::Hemisphere { min_elevation_rad, max_elevation_rad },
+            Space::Rings => {
+                ViewSpace::Rings { rings: self.rings, min_elevation_rad, max_elevation_rad }
+            }
+            Space::Spiral => {
+                let turns = self.rings as f32;
+                ViewSpace::Spiral { turns, min_elevation_rad, max_elevation_rad }
+            }
+        }
+    }
+}
+
+/// The poses of a file: see [`PoolArgs::pool`].
+fn read(path: &Path) -> Result<Vec<Pose>> {
+    let text = std::fs::read_to_string(path).map_err(|error| anyhow!("it cannot be read: {error}"))?;
+    let value: Value = serde_json::from_str(&text).map_err(|error| anyhow!("it is not JSON: {error}"))?;
+    let entries = ["frames", "views"]
+        .iter()
+        .find_map(|key| value.get(key))
+        .unwrap_or(&value)
+        .as_array()
+        .context("it holds no list of poses")?;
+    if entries.is_empty() {
+        bail!("its list of poses is empty");
+    }
+    let pose = |(index, entry): (usize, &Value)| {
+        let matrix = ["transform_matrix", "world_from_camera"].iter().find_map(|key| entry.get(key));
+        pose_of(matrix.unwrap_or(entry)).with_context(|| format!("pose {index} is wrong"))
+    };
+    entries.iter().enumerate().map(pose).collect()
+}
+
+fn pose_of(matrix: &Value) -> Result<Pose> {
+    let rows: Vec<Vec<f32>> = serde_json::from_value(matrix.clone())
+        .map_err(|_| anyhow!("it is not a matrix of numbers"))?;
+    let row = |index: usize| -> Option<[f32; 4]> { rows.get(index)?.as_slice().try_into().ok() };
+    let (Some(a), Some(b), Some(c), 3..=4) = (row(0), row(1), row(2), rows.len()) else {
+        bail!("it is not a matrix of shape (4, 4) or (3, 4)");
+    };
+    Ok(Pose::try_from_rows([a, b, c])?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn file_with(text: &str) -> (tempfile::TempDir, PathBuf) {
+        let home = tempfile::tempdir().unwrap();
+        let path = home.path().join("pool.json");
+        std::fs::write(&path, text).unwrap();
+        (home, path)
+    }
+
+    #[test]
+    fn poses_come_from_a_list_a_transforms_or_a_plan() {
+        let matrix = "[[1,0,0,0],[0,1,0,0],[0,0,1,3],[0,0,0,1]]";
+        for text in [
+            format!("[{matrix}]"),
+            format!(r#"{{"frames": [{{"transform_matrix": {matrix}}}]}}"#),
+            format!(r#"{{"views": [{{"world_from_camera": {matrix}}}]}}"#),
+        ] {
+            let (_home, path) = file_with(&text);
+            let poses = read(&path).unwrap();
+            assert_eq!(poses.len(), 1);
+            assert_eq!(poses[0].position().z, 3.0);
+        }
+    }
+
+    #[test]
+    fn a_wrong_pose_is_named() {
+        let fine = "[[1,0,0,0],[0,1,0,0],[0,0,1,3]]";
+        let doubled = "[[2,0,0,0],[0,2,0,0],[0,0,2,3]]";
+        for (text, says) in [
+            (format!("[{fine}, {doubled}]"), "pose 1"),
+            (format!("[{fine}, [1, 2]]"), "pose 1"),
+            ("[]".to_owned(), "empty"),
+            ("{}".to_owned(), "no list"),
+            ("{".to_owned(), "not JSON"),
+        ] {
+            let (_home, path) = file_with(&text);
+            let error = format!("{:#}", read(&path).unwrap_err());
+            assert!(error.contains(says), "{error}");
+        }
+    }
+}
