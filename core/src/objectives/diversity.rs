@@ -55,10 +55,12 @@ fn inlier_weight(cosine: f32) -> f32 {
 }
 
 /// The ray from a face to a camera, unit length, and its inlier weight.
+///
+/// A camera on the centroid itself sends a ray of no length and no weight.
 fn ray(face: &Face, camera: Vec3, two_sided: bool) -> (Vec3, f32) {
-    let towards = camera - face.centroid;
-    let length = math::sqrt(towards.length_squared());
-    let direction = if length > 0.0 { towards / length } else { face.normal };
+    let direction = camera - face.centroid;
+    let direction =
+        direction * (1.0 / math::sqrt(direction.length_squared().max(f32::MIN_POSITIVE)));
     let cosine = direction.dot(face.normal);
     (direction, inlier_weight(if two_sided { cosine.abs() } else { cosine }))
 }
