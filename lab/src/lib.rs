@@ -9,6 +9,7 @@ pub mod object;
 pub mod pool;
 pub mod record;
 pub mod render;
+pub mod report;
 pub mod scheme;
 pub mod seen_points;
 pub mod surface;
