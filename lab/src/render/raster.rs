@@ -1,0 +1,334 @@
+//! Triangles to pixels: projection, exact coverage, depth.
+//!
+//! A sample holds a **key**: the bits of the inverse depth above the inverted face index. Both
+//! orders are those of unsigned integers, so the larger key is the nearer face, and of equally near
+//! ones that of the lower index; zero is no face. Then drawing is, in pseudo-code:
+//!
+//! ```text
+//! for each face, for each sample of its bounding box:
+//!     e_i = twice the signed area of (sample, the edge opposite corner i)      (integers, exact)
+//!     if all e_i > 0, or e_i = 0 on a top or left edge:
+//!         inverse depth = Σ e_i w_i / Σ e_i
+//!         key[sample] = max(key[sample], (inverse depth, !face))
+//! ```
+//!
+//! The loops below do that, with three changes: boxes without a sample centre are left at once
+//! (most triangles of a fine mesh), wide rows get their span by division instead of trying each
+//! sample, and what crosses the near plane or lies very far aside is clipped first.
+//!
+//! Depth is linear in its inverse on the picture, so this interpolation is perspective-correct. The
+//! corners of a face are taken in the order of their welded index: two faces on the same three
+//! points get the same depth, bit by bit, whatever their winding, and the tie goes to the lower one.
+
+use vantage_core::Vec3;
+
+use super::clip;
+use super::view::View;
+use crate::mesh::Mesh;
+
+/// Sub-sample positions along each axis.
+const STEPS: i32 = 1 << STEP_BITS;
+const STEP_BITS: u32 = 8;
+
+/// Coordinates beyond this many steps from the picture's middle are clipped. Edge functions of
+/// what remains are below 2^48.
+pub(super) const FAR_ASIDE: f32 = ((1 << 22) - 64) as f32;
+
+/// Boxes wider than this many samples are filled by spans.
+const WIDE: i32 = 12;
+
+/// A vertex on the picture.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Projected {
+    /// From the picture's middle, in steps.
+    pub x: i32,
+    pub y: i32,
+    /// Inverse depth; 0 marks a vertex that has to be clipped.
+    pub w: f32,
+}
+
+/// The face that a key shows; zero gives `NO_FACE`.
+#[inline]
+pub(super) fn face_of(key: u64) -> u32 {
+    !(key as u32)
+}
+
+/// The rows of samples that are drawn.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Window {
+    pub y0: u32,
+    pub rows: u32,
+}
+
+/// The mesh in the form that drawing needs.
+pub(super) struct Scene {
+    pub positions: Vec<Vec3>,
+    /// Corners in the mesh's order.
+    pub faces: Vec<[u32; 3]>,
+    /// The same corners in the order of their welded index.
+    sorted: Vec<[u32; 3]>,
+    /// Nothing nearer than this is drawn: 1e-3 of the mesh's radius.
+    pub near: f32,
+}
+
+impl Scene {
+    pub fn new(mesh: &Mesh) -> Self {
+        let welded = mesh.welded();
+        let sorted = mesh.faces.iter().map(|&face| {
+            let mut face = face;
+            face.sort_unstable_by_key(|&vertex| (welded[vertex as usize], vertex));
+            face
+        });
+        let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+        for &vertex in mesh.faces.iter().flatten() {
+            low = low.min(mesh.positions[vertex as usize]);
+            high = high.max(mesh.positions[vertex as usize]);
+        }
+        let radius = (0.5 * (high - low)).max_element();
+        Self {
+            positions: mesh.positions.clone(),
+            faces: mesh.faces.clone(),
+            sorted: sorted.collect(),
+            near: if radius > 0.0 { radius * 1e-3 } else { 1e-3 },
+        }
+    }
+
+    /// Projects every vertex into `out`, shape (vertices).
+    pub fn project(&self, view: &View, out: &mut Vec<Projected>) {
+        out.clear();
+        out.extend(self.positions.iter().map(|&position| {
+            let p = position - view.eye;
+            let depth = p.dot(view.forward);
+            let w = 1.0 / depth;
+            let x = (p.dot(view.right) * w * view.fx + view.offset_x) * STEPS as f32;
+            let y = (view.offset_y - p.dot(view.up) * w * view.fy) * STEPS as f32;
+            let is_inside = depth >= self.near && x.abs() <= FAR_ASIDE && y.abs() <= FAR_ASIDE;
+            Projected { x: rounded(x), y: rounded(y), w: if is_inside { w } else { 0.0 } }
+        }));
+    }
+
+    /// Draws every face into `keys`, shape (window.rows, view.width), which starts as it should end
+    /// where nothing covers it.
+    ///
+    /// For faces that `has_holes`, `is_there(face, x, y)` says whether there is any surface.
+    pub fn draw(
+        &self,
+        view: &View,
+        projected: &[Projected],
+        window: Window,
+        keys: &mut [u64],
+        has_holes: impl Fn(u32) -> bool,
+        mut is_there: impl FnMut(u32, u32, u32) -> bool,
+    ) {
+        let mut target = Target::new(view, window, keys);
+        for (face, corners) in (0u32..).zip(&self.sorted) {
+            let corners = corners.map(|vertex| projected[vertex as usize]);
+            let [a, b, c] = corners;
+            if a.w != 0.0 && b.w != 0.0 && c.w != 0.0 {
+                let Some(area) = target.area_of(&corners) else { continue };
+                if has_holes(face) {
+                    target.fill(face, &corners, area, |x, y| is_there(face, x, y));
+                } else {
+                    target.fill(face, &corners, area, |_, _| true);
+                }
+                continue;
+            }
+            let points = self.sorted[face as usize].map(|vertex| self.positions[vertex as usize]);
+            for triangle in clip::clipped(view, self.near, &points, &corners) {
+                let Some(area) = target.area_of(&triangle) else { continue };
+                if has_holes(face) {
+                    target.fill(face, &triangle, area, |x, y| is_there(face, x, y));
+                } else {
+                    target.fill(face, &triangle, area, |_, _| true);
+                }
+            }
+        }
+    }
+}
+
+/// The nearest integer, halves to even, of a number below 2^22 in size; anything for others.
+///
+/// Adding 1.5 · 2^23 leaves the integer in the low bits of the mantissa: two instructions, where
+/// `round` is a call on processors without SSE 4.1.
+#[inline]
+fn rounded(x: f32) -> i32 {
+    const MAGIC: f32 = 12_582_912.0;
+    ((x + MAGIC).to_bits() as i32).wrapping_sub(MAGIC.to_bits() as i32)
+}
+
+/// What a clipped vertex, given in double precision, becomes.
+pub(super) fn projected(x: f64, y: f64, depth: f64) -> Projected {
+    let steps = |v: f64| rounded(((v * f64::from(STEPS)) as f32).clamp(-FAR_ASIDE, FAR_ASIDE));
+    Projected { x: steps(x), y: steps(y), w: (1.0 / depth) as f32 }
+}
+
+/// Samples to draw on.
+struct Target<'a> {
+    keys: &'a mut [u64],
+    width: i32,
+    /// First row and one past the last.
+    rows: [i32; 2],
+    /// Where the centre of sample (0, 0) lies, in steps from the picture's middle.
+    origin_x: i32,
+    origin_y: i32,
+}
+
+/// The samples whose centres a triangle's bounding box holds, and twice its signed area.
+struct Extent {
+    x: [i32; 2],
+    y: [i32; 2],
+    area: i64,
+    is_wide: bool,
+}
+
+impl<'a> Target<'a> {
+    fn new(view: &View, window: Window, keys: &'a mut [u64]) -> Self {
+        let origin = |side: u32| STEPS / 2 - STEPS / 2 * side as i32;
+        Self {
+            keys,
+            width: view.width as i32,
+            rows: [window.y0 as i32, (window.y0 + window.rows) as i32],
+            origin_x: origin(view.width),
+            origin_y: origin(view.height),
+        }
+    }
+
+    /// `None` where no sample's centre can be covered.
+    #[inline]
+    fn area_of(&self, corners: &[Projected; 3]) -> Option<Extent> {
+        let [a, b, c] = corners;
+        // The first centre at or after the low end, the last at or before the high end.
+        let first = |low: i32, origin: i32| (low - origin + STEPS - 1) >> STEP_BITS;
+        let last = |high: i32, origin: i32| (high - origin) >> STEP_BITS;
+        let x0 = first(a.x.min(b.x).min(c.x), self.origin_x);
+        let x1 = last(a.x.max(b.x).max(c.x), self.origin_x);
+        let y0 = first(a.y.min(b.y).min(c.y), self.origin_y);
+        let y1 = last(a.y.max(b.y).max(c.y), self.origin_y);
+        // Of the whole box, so that the way of filling does not depend on the window.
+        let is_wide = x1 - x0 >= WIDE;
+        let (x0, x1) = (x0.max(0), x1.min(self.width - 1));
+        let (y0, y1) = (y0.max(self.rows[0]), y1.min(self.rows[1] - 1));
+        if x0 > x1 || y0 > y1 {
+            return None;
+        }
+        let area = i64::from(b.x - a.x) * i64::from(c.y - a.y)
+            - i64::from(b.y - a.y) * i64::from(c.x - a.x);
+        (area != 0).then_some(Extent { x: [x0, x1], y: [y0, y1], area, is_wide })
+    }
+
+    /// Writes a face's key to each sample that it covers, is nearest at, and is there.
+    #[inline]
+    fn fill(
+        &mut self,
+        face: u32,
+        corners: &[Projected; 3],
+        extent: Extent,
+        mut is_there: impl FnMut(u32, u32) -> bool,
+    ) {
+        let [a, b, c] = corners;
+        let Extent { x: [x0, x1], y: [y0, y1], area, is_wide } = extent;
+        let start_x = self.origin_x + x0 * STEPS;
+        let start_y = self.origin_y + y0 * STEPS;
+        let sign = area.signum();
+        let edges = [
+            Edge::new(b, c, sign, start_x, start_y),
+            Edge::new(c, a, sign, start_x, start_y),
+            Edge::new(a, b, sign, start_x, start_y),
+        ];
+        // Σ e_i = |area| at every sample, so one division serves the whole triangle.
+        let per_area = 1.0 / (area * sign) as f32;
+        let weights = [a.w * per_area, b.w * per_area, c.w * per_area];
+        let key_of = |w: f32| u64::from(w.to_bits()) << 32 | u64::from(!face);
+
+        let mut at_row = edges.map(|edge| edge.start);
+        for y in y0..=y1 {
+            let row_start = (y - self.rows[0]) as usize * self.width as usize;
+            let row = &mut self.keys[row_start..row_start + self.width as usize];
+            if is_wide {
+                if let Some([from, to]) = span(&edges, &at_row, i64::from(x1 - x0)) {
+                    let mut first = 0.0;
+                    let mut slope = 0.0;
+                    for i in 0..3 {
+                        first += (at_row[i] + edges[i].dx * from) as f32 * weights[i];
+                        slope += edges[i].dx as f32 * weights[i];
+                    }
+                    let cells = &mut row[x0 as usize + from as usize..=x0 as usize + to as usize];
+                    for (k, cell) in cells.iter_mut().enumerate() {
+                        let key = key_of(first + slope * k as f32);
+                        if key > *cell && is_there((x0 as i64 + from) as u32 + k as u32, y as u32) {
+                            *cell = key;
+                        }
+                    }
+                }
+            } else {
+                let [mut e0, mut e1, mut e2] = at_row;
+                for x in x0..=x1 {
+                    let is_covered =
+                        (e0 + edges[0].bias) | (e1 + edges[1].bias) | (e2 + edges[2].bias) >= 0;
+                    if is_covered {
+                        let w = e0 as f32 * weights[0]
+                            + e1 as f32 * weights[1]
+                            + e2 as f32 * weights[2];
+                        let cell = &mut row[x as usize];
+                        let key = key_of(w);
+                        if key > *cell && is_there(x as u32, y as u32) {
+                            *cell = key;
+                        }
+                    }
+                    e0 += edges[0].dx;
+                    e1 += edges[1].dx;
+                    e2 += edges[2].dx;
+                }
+            }
+            for (value, edge) in at_row.iter_mut().zip(&edges) {
+                *value += edge.dy;
+            }
+        }
+    }
+}
+
+/// Twice the area of a sample and an edge, positive inside, as a linear function.
+#[derive(Clone, Copy)]
+struct Edge {
+    start: i64,
+    /// Per sample to the right and downwards.
+    dx: i64,
+    dy: i64,
+    /// 0 on edges that own the samples on them (left ones, and level ones above), else -1.
+    bias: i64,
+}
+
+impl Edge {
+    #[inline]
+    fn new(from: &Projected, to: &Projected, sign: i64, x: i32, y: i32) -> Self {
+        let along_x = sign * i64::from(to.x - from.x);
+        let along_y = sign * i64::from(to.y - from.y);
+        let start = along_x * i64::from(y - from.y) - along_y * i64::from(x - from.x);
+        let owns = along_y < 0 || (along_y == 0 && along_x > 0);
+        Self {
+            start,
+            dx: -along_y * i64::from(STEPS),
+            dy: along_x * i64::from(STEPS),
+            bias: if owns { 0 } else { -1 },
+        }
+    }
+}
+
+/// The first and last column, from 0 to `last`, where no edge is negative in this row.
+#[inline]
+fn span(edges: &[Edge; 3], at_row: &[i64; 3], last: i64) -> Option<[i64; 2]> {
+    let (mut from, mut to) = (0, last);
+    for (edge, value) in edges.iter().zip(at_row) {
+        let value = value + edge.bias;
+        if edge.dx > 0 {
+            if value < 0 {
+                from = from.max((-value + edge.dx - 1) / edge.dx);
+            }
+        } else if value < 0 {
+            return None;
+        } else if edge.dx < 0 {
+            to = to.min(value / -edge.dx);
+        }
+    }
+    (from <= to).then_some([from, to])
+}
