@@ -43,7 +43,8 @@ pub fn from_above(plan: &PlanRecord, candidates: &[Vec3]) -> String {
         let _ =
             write!(svg, r#"<circle class="{class}" cx="{MIDDLE}" cy="{MIDDLE}" r="{radius:.1}"/>"#);
         let (x, y) = at(radius, PI * 0.375);
-        label(&mut svg, x, y, &format!("{:.0}°", 90.0 - degrees));
+        let sign = if degrees > 90.0 { "−" } else { "" };
+        label(&mut svg, x, y, &format!("{sign}{:.0}°", (90.0 - degrees).abs()));
     }
     for (quarter, name) in ["+x", "+y", "−x", "−y"].into_iter().enumerate() {
         let angle = quarter as f32 * FRAC_PI_2;

@@ -193,7 +193,7 @@ fn plots(html: &mut String, report: &Report<'_>) -> Result<()> {
         let swatch = match position {
             0 => String::from("<span class=\"swatch plan\"></span>"),
             _ => format!(
-                "<span class=\"swatch\" style=\"background:{}\"></span>",
+                "<span class=\"swatch\" style=\"border-color:{}\"></span>",
                 hex(plot::baseline_colour(position - 1))
             ),
         };
@@ -289,7 +289,7 @@ fn opening(html: &mut String, report: &Report<'_>) {
     for opening in openings(report.profile, report.folder) {
         let _ = write!(
             html,
-            "<div><dt>{}</dt><dd><pre><code>{}</code></pre>",
+            "<div><dt>{}</dt><dd><pre tabindex=\"0\"><code>{}</code></pre>",
             escape(opening.name),
             escape(&opening.command)
         );
@@ -301,7 +301,7 @@ fn opening(html: &mut String, report: &Report<'_>) {
     let _ = write!(
         html,
         "</dl>\n</section>\n<section aria-labelledby=\"again\">\n<h2 id=\"again\">Make this plan \
-         again</h2>\n<pre><code>{}</code></pre>\n<p class=\"small\">The same object, \
+         again</h2>\n<pre tabindex=\"0\"><code>{}</code></pre>\n<p class=\"small\">The same object, \
          seeds and version give the same views.</p>\n</section>\n",
         escape(report.command)
     );
