@@ -33,13 +33,15 @@ impl Movement {
         Self { cost, from: from.filter(|_| cost > 0.0), centre }
     }
 
-    /// `gain - cost * angle / pi * |gain|`. It rises with the gain, since cost and share are at
-    /// most 1, so an upper bound of a gain bounds its value too.
+    /// `gain - cost * angle / pi * |gain|`, written as one product: a product with a number that is
+    /// not negative never falls as the gain rises, rounding included, so an upper bound of a gain
+    /// bounds its value too. The difference would not do: it can fall by a rounding.
     fn value(&self, candidate: &Candidate, gain: f32) -> f32 {
         let Some(from) = self.from else { return gain };
         let to = candidate.pose().position() - self.centre;
         let share = math::angle_between(from, to) / core::f32::consts::PI;
-        gain - self.cost * share.min(1.0) * gain.abs()
+        let loss = self.cost * share.min(1.0);
+        gain * if gain < 0.0 { 1.0 + loss } else { 1.0 - loss }
     }
 }
 
@@ -112,7 +114,9 @@ pub(super) fn by_sum<S: Scorer>(
     });
     let sum = |candidate: &Candidate| -> f32 {
         let shares = ranges.iter().map(|&(objective, low, range)| {
-            if range > 0.0 { (candidate.gain(objective) - low) / range } else { 0.0 }
+            // What is not a number stays so, and is not chosen.
+            let gain = candidate.gain(objective);
+            if range > 0.0 || gain.is_nan() { (gain - low) / range } else { 0.0 }
         });
         shares.sum()
     };
@@ -179,4 +183,45 @@ pub(super) fn by_start(
     extreme
         .or_else(|| by_distance(candidates, movement))
         .or_else(|| by_chance(candidates, chance.0, chance.1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pose::Pose;
+
+    /// The value of a gain at an angle from the last view.
+    fn value(cost: f32, angle_rad: f32, gain: f32) -> f32 {
+        let eye = Vec3::new(math::cos(angle_rad), math::sin(angle_rad), 0.0);
+        let candidate = Candidate::new(Pose::looking_at(eye, Vec3::ZERO).unwrap());
+        Movement { cost, from: Some(Vec3::X), centre: Vec3::ZERO }.value(&candidate, gain)
+    }
+
+    #[test]
+    fn the_value_of_a_larger_gain_is_never_smaller() {
+        // Lazy greedy stands on it to the last bit. A gain less its product with a share would
+        // break it where the product crosses a power of two, as near 1 / share.
+        for step in 0..=100 {
+            let (cost, angle) = (1.0, core::f32::consts::PI * step as f32 / 100.0);
+            let share = step as f32 / 100.0;
+            for around in [1.0 / share.max(0.01), 1.0, -1.0, 0.3] {
+                let mut gain = around * (1.0 - 2e-6);
+                for _ in 0..40 {
+                    let next = gain.next_up();
+                    assert!(value(cost, angle, next) >= value(cost, angle, gain), "{share} {gain}");
+                    gain = next;
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn half_a_turn_costs_the_share_asked_for() {
+        use core::f32::consts::{FRAC_PI_2, PI};
+        assert_eq!(value(0.5, 0.0, 2.0), 2.0);
+        assert!((value(0.5, FRAC_PI_2, 2.0) - 1.5).abs() < 1e-6);
+        assert!((value(0.5, PI, 2.0) - 1.0).abs() < 1e-6);
+        assert!((value(0.5, PI, -2.0) + 3.0).abs() < 1e-6);
+        assert_eq!(value(0.0, PI, 2.0), 2.0);
+    }
 }
