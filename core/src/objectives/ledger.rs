@@ -254,7 +254,8 @@ impl Ledger<'_> {
         digest.update(&[u8::from(form == Form::Literal)]);
         let faces = self.surface.faces().iter().flat_map(|face| {
             let [x, y, z] = face.centroid.to_array();
-            [x, y, z, face.area_share, face.complexity]
+            let [a, b, c] = face.normal.to_array();
+            [x, y, z, a, b, c, face.area_share, face.complexity]
         });
         let totals = [self.surface.texture_total()];
         for number in numbers.into_iter().chain(totals).chain(faces) {
