@@ -36,9 +36,9 @@ pub struct Session<S, M> {
     pub(super) memory: M,
     pub(super) scorer: S,
     pub(super) plan: Plan,
-    pub(super) draws: u64,     // choices settled so far, photographed or not
-    pub(super) weak: u16,      // photos in a row of less gain than the stop rule asks for
-    pending: Option<NextView>, // chosen and not yet settled
+    pub(super) draws: u64, // choices settled so far, photographed or not
+    pub(super) weak: u16,  // photos in a row of less gain than the stop rule asks for
+    pub(super) pending: Option<NextView>, // chosen and not yet settled
 }
 
 /// The next view, and why.
@@ -199,7 +199,8 @@ impl<S: Scorer, M: Memory> Session<S, M> {
 
     /// Where to stand next, or `None` when the session is over: see [`finish`](Self::finish).
     ///
-    /// Asking again gives the same answer until the view is observed, blocked or skipped.
+    /// Asking again gives the same answer until a photo is taken in, a candidate changes its status
+    /// or the plan is changed.
     pub fn next_view(&mut self) -> Option<NextView> {
         if self.pending.is_none() {
             self.pending = self.choose();
@@ -207,7 +208,7 @@ impl<S: Scorer, M: Memory> Session<S, M> {
         self.pending
     }
 
-    fn choose(&mut self) -> Option<NextView> {
+    pub(super) fn choose(&mut self) -> Option<NextView> {
         let step = self.memory.views().len();
         if step >= self.plan.budget || self.is_good_enough() {
             return None;
@@ -319,7 +320,7 @@ impl<S: Scorer, M: Memory> Session<S, M> {
         self.set_status(index, Status::Available)
     }
 
-    /// Passes over a candidate until another photo has been taken.
+    /// Passes over a candidate until another photo has been taken. A blocked one stays blocked.
     pub fn skip(&mut self, index: usize) -> Result<(), SessionError> {
         self.set_status(index, Status::Skipped)
     }
@@ -328,7 +329,12 @@ impl<S: Scorer, M: Memory> Session<S, M> {
         let candidates = self.memory.candidates().len();
         let unknown = SessionError::UnknownCandidate { index, candidates };
         let candidate = self.memory.candidates_mut().get_mut(index).ok_or(unknown)?;
-        if candidate.status != Status::Visited {
+        let stays = match candidate.status {
+            Status::Visited => true,
+            Status::Blocked => status == Status::Skipped,
+            Status::Available | Status::Skipped => false,
+        };
+        if !stays && candidate.status != status {
             candidate.status = status;
             self.settle();
         }
