@@ -10,7 +10,8 @@
 //! | n .. n + 4 | CRC-32 (ISO-HDLC) of everything before it, u32 little-endian |
 //!
 //! The payload holds the plan, the number of choices settled, the candidates' poses and status, the
-//! views, and what the scorer adds. Distances and gains are not kept: they follow from the rest.
+//! views, and what the scorer adds. Distances, gains and the view that is due are not kept: they
+//! follow from the rest.
 
 use serde::{Deserialize, Serialize};
 
@@ -58,6 +59,7 @@ struct Head {
     scorer: u32,
     candidates: usize,
     views: usize,
+    pending: bool, // a view was chosen and not yet settled
 }
 
 impl<S: Persist, M: Memory> Session<S, M> {
@@ -72,6 +74,7 @@ impl<S: Persist, M: Memory> Session<S, M> {
             scorer: self.scorer.fingerprint(),
             candidates: self.memory.candidates().len(),
             views: self.memory.views().len(),
+            pending: self.pending.is_some(),
         })?;
         for candidate in self.memory.candidates() {
             sink.put(&(candidate.pose(), candidate.status()))?;
@@ -112,6 +115,9 @@ impl<S: Persist, M: Memory> Session<S, M> {
         }
         for _ in 0..head.views {
             let view: View = source.take()?;
+            if view.candidate.is_some_and(|index| index >= head.candidates) {
+                return Err(SnapshotError::Malformed);
+            }
             for candidate in memory.candidates_mut() {
                 let distance = candidate.pose().position().distance_squared(view.pose.position());
                 candidate.nearest_squared = candidate.nearest_squared.min(distance);
@@ -126,7 +132,12 @@ impl<S: Persist, M: Memory> Session<S, M> {
         if !source.rest.is_empty() {
             return Err(SnapshotError::Malformed);
         }
-        Ok(Self::from_parts(memory, scorer, head.plan, head.draws, head.weak))
+        let mut session = Self::from_parts(memory, scorer, head.plan, head.draws, head.weak);
+        if head.pending {
+            // The same choice again: it follows from what has just been read.
+            session.pending = session.choose();
+        }
+        Ok(session)
     }
 }
 
