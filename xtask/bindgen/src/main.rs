@@ -15,6 +15,6 @@ fn main() -> Result<()> {
         bail!("usage: xtask-bindgen <module.wasm> <folder>");
     };
     let mut bindgen = Bindgen::new();
-    bindgen.input_path(module).web(true)?.typescript(true);
+    bindgen.input_path(module).web(true)?.typescript(true).omit_default_module_path(false);
     bindgen.generate(folder).with_context(|| format!("the bindings of {module} were not written"))
 }
