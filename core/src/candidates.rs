@@ -198,7 +198,7 @@ impl ViewSpace {
         match *self {
             Self::RandomSphere { seed } => {
                 // Its own stream for each view: any view of the pool without those before it.
-                let mut chance = Pcg32::new(seed, index as u64);
+                let mut chance = chance(seed, index as u64);
                 let height = 2.0 * unit_interval(&mut chance) - 1.0;
                 on_sphere(height, unit_interval(&mut chance))
             }
@@ -301,6 +301,22 @@ fn golden(index: usize) -> f32 {
     (turn >> 8) as f32 / (1 << 24) as f32
 }
 
+/// Chance for one of many draws from one seed, each on its own.
+///
+/// Seed and number are scrambled together first. A PCG alone starts streams that are shifts of each
+/// other: seed + 2 draws at any number what seed draws at the next one.
+pub(crate) fn chance(seed: u64, number: u64) -> Pcg32 {
+    Pcg32::new(scrambled(scrambled(seed).wrapping_add(number)), number)
+}
+
+/// The mixing of SplitMix64 (Steele, Lea and Flood, 2014): one to one, each bit depends on all.
+fn scrambled(x: u64) -> u64 {
+    let x = x.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    let x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    let x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    x ^ (x >> 31)
+}
+
 /// The next number in [0, 1) with 24 bits.
 pub(crate) fn unit_interval(chance: &mut Pcg32) -> f32 {
     (chance.next_u32() >> 8) as f32 / (1 << 24) as f32
@@ -354,6 +370,15 @@ mod tests {
     fn a_longer_random_pool_starts_with_the_shorter_one() {
         let pool = |count| Pool::try_new(ViewSpace::RandomSphere { seed: 9 }, count, 3.0).unwrap();
         assert!(pool(20).iter().eq(pool(60).iter().take(20)));
+    }
+
+    #[test]
+    fn pools_of_neighbouring_seeds_share_no_view() {
+        let pool = |seed| Pool::try_new(ViewSpace::RandomSphere { seed }, 40, 1.0).unwrap();
+        let views = |seed| pool(seed).iter().map(|pose| pose.position()).collect::<Vec<Vec3>>();
+        for seed in 1..20 {
+            assert!(views(0).iter().all(|view| !views(seed).contains(view)), "seed {seed}");
+        }
     }
 
     #[test]

@@ -4,11 +4,11 @@
 
 use glam::Vec3;
 use rand_core::Rng;
-use rand_pcg::Pcg32;
 
 use super::memory::{Candidate, View};
 use super::plan::Start;
 use super::scorer::Scorer;
+use crate::candidates::chance;
 use crate::math;
 use crate::objectives::Objective;
 
@@ -153,9 +153,8 @@ pub(super) fn by_distance(candidates: &[Candidate], movement: Movement) -> Optio
 /// A candidate by chance. Each draw has its own stream, so a restored session draws on.
 pub(super) fn by_chance(candidates: &[Candidate], seed: u64, draw: u64) -> Option<Choice> {
     let available = candidates.iter().filter(|c| c.is_available()).count() as u64;
-    let mut chance = Pcg32::new(seed, draw);
     // The high half of the product is even over [0, available) to one part in 2^32 / available.
-    let place = (u64::from(chance.next_u32()) * available) >> 32;
+    let place = (u64::from(chance(seed, draw).next_u32()) * available) >> 32;
     let mut rest = candidates.iter().enumerate().filter(|(_, c)| c.is_available());
     rest.nth(place as usize).map(|(index, _)| Choice { index, gain: 0.0 })
 }
