@@ -117,7 +117,8 @@ fn lazy_greedy_chooses_what_plain_greedy_chooses_and_asks_less() {
         }
     }
     // Least is saved where every candidate is taken in the end: each must be asked again then.
-    for (place, budget, limits) in [(0, 12, [0.6, 1.0, 0.7, 0.7]), (1, 60, [0.4, 1.0, 0.8, 0.8])] {
+    for (place, budget, limits) in [(0, 12, [0.5, 0.7, 1.0, 0.65]), (1, 60, [0.25, 0.7, 1.0, 0.65])]
+    {
         for objective in [Objective::Coverage, Objective::Geometry, Objective::Texture] {
             let (lazy, plain) =
                 (lazy_asks[place][objective as usize], plain_asks[place][objective as usize]);
