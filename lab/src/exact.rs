@@ -46,14 +46,8 @@ impl Labelled {
         done: impl Fn() + Sync,
     ) -> Self {
         let faces = surface::faces(mesh, reading.sigma_q);
-        let labels = label::label_all(
-            &Renderer::new(mesh),
-            camera,
-            &poses,
-            faces.len(),
-            &reading,
-            done,
-        );
+        let labels =
+            label::label_all(&Renderer::new(mesh), camera, &poses, faces.len(), &reading, done);
         let texture_limit = label::texture_limit(&labels, faces.len(), &reading);
         Self { poses, reading, faces, labels, texture_limit }
     }

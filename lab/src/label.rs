@@ -95,7 +95,8 @@ pub fn label(image: &FaceImage, rgba: &[u8], face_count: usize, form: Form) -> L
             if face == NO_FACE && !whole_picture {
                 continue;
             }
-            let codes = [0, 1].map(|channel| local_binary_pattern(x, y, |x, y| sample(x, y, channel)));
+            let codes =
+                [0, 1].map(|channel| local_binary_pattern(x, y, |x, y| sample(x, y, channel)));
             let count = codes.iter().filter(|&&code| code != FLAT).count() as u32;
             if face == NO_FACE {
                 textured_background += count;
@@ -163,15 +164,24 @@ mod tests {
 
     #[test]
     fn textured_pixels_go_to_their_faces() {
-        let image = picture(TWO_FACES);
-        // Face a is flat green, face b checked red and green.
+        // Two faces with a gap between; the left one flat green, the right one checked with red.
+        let (width, height) = (20, 8);
+        let mut faces = Vec::new();
         let mut rgba = Vec::new();
-        for (place, &face) in image.faces.iter().enumerate() {
-            let red = face == 1 && place % 2 == 0;
-            rgba.extend(if red { [220, 30, 30, 255] } else { [30, 220, 30, 255] });
+        for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
+            faces.push(match x {
+                0..8 => 0,
+                8..12 => NO_FACE,
+                _ => 1,
+            });
+            let red = x >= 12 && (x + y) % 2 == 0;
+            rgba.extend(if red { [220u8, 30, 30, 255] } else { [30, 220, 30, 255] });
         }
+        let image = FaceImage { width, height, faces };
         let label = label(&image, &rgba, 2, Form::Default);
         let textured = label.sighting().textured;
-        assert!(textured[1] > textured[0], "{textured:?}");
+        assert_eq!(textured[0], 0);
+        // On the hue channel every green pixel whose right neighbour is on the face, at the least.
+        assert!(textured[1] >= 20, "{textured:?}");
     }
 }

@@ -62,8 +62,12 @@ impl PoolArgs {
     /// The candidates, in order.
     pub fn poses(&self) -> Result<Vec<Pose>> {
         match &self.pool {
-            Some(path) => read(path).with_context(|| format!("cannot use the pool {}", path.display())),
-            None => Ok(Pool::try_new(self.view_space(), self.candidates, DISTANCE)?.iter().collect()),
+            Some(path) => {
+                read(path).with_context(|| format!("cannot use the pool {}", path.display()))
+            }
+            None => {
+                Ok(Pool::try_new(self.view_space(), self.candidates, DISTANCE)?.iter().collect())
+            }
         }
     }
 
@@ -87,8 +91,10 @@ impl PoolArgs {
 
 /// The poses of a file: see [`PoolArgs::pool`].
 fn read(path: &Path) -> Result<Vec<Pose>> {
-    let text = std::fs::read_to_string(path).map_err(|error| anyhow!("it cannot be read: {error}"))?;
-    let value: Value = serde_json::from_str(&text).map_err(|error| anyhow!("it is not JSON: {error}"))?;
+    let text =
+        std::fs::read_to_string(path).map_err(|error| anyhow!("it cannot be read: {error}"))?;
+    let value: Value =
+        serde_json::from_str(&text).map_err(|error| anyhow!("it is not JSON: {error}"))?;
     let entries = ["frames", "views"]
         .iter()
         .find_map(|key| value.get(key))
@@ -99,7 +105,8 @@ fn read(path: &Path) -> Result<Vec<Pose>> {
         bail!("its list of poses is empty");
     }
     let pose = |(index, entry): (usize, &Value)| {
-        let matrix = ["transform_matrix", "world_from_camera"].iter().find_map(|key| entry.get(key));
+        let matrix =
+            ["transform_matrix", "world_from_camera"].iter().find_map(|key| entry.get(key));
         pose_of(matrix.unwrap_or(entry)).with_context(|| format!("pose {index} is wrong"))
     };
     entries.iter().enumerate().map(pose).collect()

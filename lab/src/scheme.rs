@@ -1,7 +1,7 @@
 //! The schemes by the names that the command line knows.
 
 use vantage_core::Objective;
-use vantage_core::planner::{Plan, Start};
+use vantage_core::planner::Plan;
 
 /// Every name, with what it stands for.
 pub const SCHEMES: [(&str, &str); 10] = [
@@ -51,13 +51,9 @@ pub fn unknown(name: &str) -> String {
     format!("there is no scheme `{name}`: choose one of {}", names.join(", "))
 }
 
-/// Names for [`Start`].
-pub fn start(name: &str) -> Option<Start> {
-    match name {
-        "fps" => Some(Start::FarthestPoint),
-        "pseudo-coverage" => Some(Start::PseudoCoverage),
-        _ => None,
-    }
+/// What a scheme is, in words.
+pub fn describe(name: &str) -> &str {
+    SCHEMES.iter().find(|(known, _)| *known == name).map_or(name, |(_, words)| words)
 }
 
 #[cfg(test)]

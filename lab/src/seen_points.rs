@@ -64,8 +64,12 @@ mod tests {
 
     #[test]
     fn points_lie_on_the_plane_that_the_photo_shows() {
-        let face =
-            Face { centroid: Vec3::new(0.0, 0.0, 0.5), normal: Vec3::Z, area_share: 1.0, complexity: 0.0 };
+        let face = Face {
+            centroid: Vec3::new(0.0, 0.0, 0.5),
+            normal: Vec3::Z,
+            area_share: 1.0,
+            complexity: 0.0,
+        };
         let camera = Camera::from_fov(16, 16, 0.3).unwrap();
         let pose = Pose::looking_at(Vec3::new(1.0, 0.5, 3.0), Vec3::new(0.0, 0.0, 0.5)).unwrap();
         let image = FaceImage { width: 16, height: 16, faces: vec![0; 256] };

@@ -49,7 +49,7 @@ impl fmt::Display for Objective {
     }
 }
 
-/// A value for each objective, before smoothing; 0 for no views, 1 the most that can be.
+/// A value for each objective, before smoothing; 0 for no views.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Scores {
@@ -59,7 +59,8 @@ pub struct Scores {
     pub geometry: f32,
     /// D: mean spread of the directions from which the surface is seen, in [0, 1].
     pub diversity: f32,
-    /// T: share of the surface's textural complexity seen often; 0 for nothing, near 1 for all.
+    /// T: share of the surface's textural complexity seen often; about 1 for all of it. It may pass
+    /// 1, by a tenth or so, where each part happens to be seen first from its best side.
     pub texture: f32,
 }
 

@@ -51,7 +51,8 @@ pub struct NextView {
     /// The objective that chose it, if one did.
     pub objective: Option<Objective>,
     /// The gain expected of it: of the objective, before smoothing; of the mean of all four in the
-    /// sum scheme; the distance to the nearest view in metres for farthest points; 0 for chance.
+    /// sum scheme; the distance to the nearest view in metres for farthest points; 0 for the first
+    /// views and for chance.
     pub gain: f32,
     /// Why it was chosen.
     pub reason: Reason,
@@ -75,9 +76,9 @@ pub enum Reason {
 impl fmt::Display for Reason {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Self::Start => "a first look from a side of its own",
-            Self::Chance => "drawn by chance",
-            Self::Farthest => "farthest from all views so far",
+            Self::Start => "first look",
+            Self::Chance => "by chance",
+            Self::Farthest => "farthest yet",
             Self::Objective(Objective::Coverage) => "most new surface expected",
             Self::Objective(Objective::Geometry) => "most fine shape left to see",
             Self::Objective(Objective::Diversity) => "the side seen from one angle only",
@@ -219,7 +220,7 @@ impl<S: Scorer, M: Memory> Session<S, M> {
         let candidates = self.memory.candidates_mut();
         let (choice, objective, reason) = if step < start_views {
             let choice = choice::by_start(start, step, candidates, centre, movement, chance);
-            (choice, None, Reason::Start)
+            (choice.map(|choice| Choice { gain: 0.0, ..choice }), None, Reason::Start)
         } else {
             match scheme {
                 Scheme::Random => {

@@ -259,7 +259,9 @@ fn mean_and_sd(values: impl Iterator<Item = f32> + Clone) -> (f64, f64) {
 }
 
 fn print_table(summary: &[SummaryRow], objects: usize, seeds: u64) {
-    println!("{objects} objects, {seeds} seeds: mean ± sd, and the share of the exact oracle's score");
+    println!(
+        "{objects} objects, {seeds} seeds: mean ± sd, and the share of the exact oracle's score"
+    );
     println!(
         "{:>6}  {:<10} {:>20} {:>20} {:>20} {:>20} {:>9}",
         "budget", "scheme", "coverage", "geometry", "diversity", "texture", "seconds"
@@ -270,7 +272,8 @@ fn print_table(summary: &[SummaryRow], objects: usize, seeds: u64) {
             println!();
         }
         last = row.budget;
-        let cell = |s: &Spread| format!("{:.3} ± {:.3} {:>5.1} %", s.mean, s.sd, 100.0 * s.relative_mean);
+        let cell =
+            |s: &Spread| format!("{:.3} ± {:.3} {:>5.1} %", s.mean, s.sd, 100.0 * s.relative_mean);
         println!(
             "{:>6}  {:<10} {:>20} {:>20} {:>20} {:>20} {:>9.3}",
             row.budget,

@@ -19,6 +19,7 @@ use crate::object::Object;
 use crate::pool::{DISTANCE, FOV_X_RAD, PoolArgs};
 use crate::record::{Curve, Normalise, PlanRecord, Seconds, ViewRecord, matrix_of};
 use crate::render::{PhotoOptions, Renderer};
+use crate::report::Report;
 use crate::scheme;
 use crate::seen_points;
 
@@ -126,7 +127,8 @@ pub fn run(args: &PlanArgs) -> Result<()> {
     let mut record = record_of(args, &object, &labelled, &steps, seconds);
     if let Some(staging) = staging {
         let start = Instant::now();
-        write_folder(args, &object, &labelled, &label_camera, &steps, &staging, &record)?;
+        let folder = staging.path();
+        write_folder(folder, args, &object, &labelled, &label_camera, &steps, &record)?;
         record.seconds.write = start.elapsed().as_secs_f64();
         save_json(&staging.path().join("plan.json"), &record)?;
         let folder = staging.commit()?;
@@ -193,12 +195,12 @@ fn record_of(
 
 /// Everything but `plan.json`, into the folder in the making.
 fn write_folder(
+    folder: &Path,
     args: &PlanArgs,
     object: &Object,
     labelled: &Labelled,
     label_camera: &Camera,
     steps: &[Step],
-    staging: &Staging,
     record: &PlanRecord,
 ) -> Result<()> {
     let renderer = Renderer::new(&object.mesh);
@@ -213,17 +215,42 @@ fn write_folder(
         .collect();
     let points = seen_points::points(&seen, label_camera, labelled.faces(), POINTS);
     let capture = Capture { camera, photos: photos(&renderer, &camera, &poses), points };
-    match args.profile {
-        ProfileArg::Trainer => export::write_into(staging.path(), Profile::Trainer, &capture)?,
-        ProfileArg::NerfSynthetic => {
-            let test = test_capture(&renderer, camera)?;
-            let profile = Profile::NerfSynthetic { val: None, test: &test };
-            export::write_into(staging.path(), profile, &capture)?;
+    let test = match args.profile {
+        ProfileArg::Trainer => None,
+        ProfileArg::NerfSynthetic => Some(test_capture(&renderer, camera)?),
+    };
+    let profile = match &test {
+        None => Profile::Trainer,
+        Some(test) => Profile::NerfSynthetic { val: None, test },
+    };
+    export::write_into(folder, profile, &capture)?;
+
+    let images: Vec<_> = capture.photos.into_iter().map(|photo| photo.image).collect();
+    let candidates: Vec<Vec3> = labelled.poses.iter().map(Pose::position).collect();
+    let report = Report {
+        plan: record,
+        photos: &images,
+        candidates: &candidates,
+        curves: &curves(args, labelled, steps)?,
+        profile,
+        folder: &args.out.as_deref().unwrap_or(Path::new("out")).to_string_lossy(),
+        command: &command_line(),
+    };
+    report.write(folder)
+}
+
+/// The command as it was typed.
+fn command_line() -> String {
+    let quoted = |argument: String| {
+        let plain = |c: char| c.is_ascii_alphanumeric() || "-_./,=+:".contains(c);
+        if !argument.is_empty() && argument.chars().all(plain) {
+            argument
+        } else {
+            format!("'{}'", argument.replace('\'', r"'\''"))
         }
-    }
-    let curves = curves(args, labelled, steps)?;
-    let _ = (curves, record);
-    Ok(())
+    };
+    let arguments = std::env::args_os().skip(1).map(|a| quoted(a.to_string_lossy().into_owned()));
+    ["cargo vantage".to_owned()].into_iter().chain(arguments).collect::<Vec<_>>().join(" ")
 }
 
 fn photos(renderer: &Renderer, camera: &Camera, poses: &[Pose]) -> Vec<Photo> {
@@ -281,11 +308,11 @@ fn save_json(path: &Path, record: &PlanRecord) -> Result<()> {
 
 fn print_table(record: &PlanRecord, budget: usize) {
     println!(
-        "{}: {} of {} candidate views, scheme {}",
+        "{}: {} of {} candidate views by {}",
         record.object,
         record.views.len(),
         record.candidates,
-        record.scheme
+        scheme::describe(&record.scheme)
     );
     println!(
         "{:>4} {:>6}  {:<10} {:>8}  {:>8} {:>8} {:>9} {:>8}  why",
@@ -293,12 +320,13 @@ fn print_table(record: &PlanRecord, budget: usize) {
     );
     for (number, view) in record.views.iter().enumerate() {
         let Scores { coverage, geometry, diversity, texture } = view.scores;
+        // The first views, and those by chance, expect nothing.
+        let gain = if view.gain == 0.0 { "-".to_owned() } else { format!("{:.4}", view.gain) };
         println!(
-            "{:>4} {:>6}  {:<10} {:>8.4}  {:>8.4} {:>8.4} {:>9.4} {:>8.4}  {}",
+            "{:>4} {:>6}  {:<10} {gain:>8}  {:>8.4} {:>8.4} {:>9.4} {:>8.4}  {}",
             number + 1,
             view.index,
             view.objective.as_deref().unwrap_or("-"),
-            view.gain,
             coverage,
             geometry,
             diversity,

@@ -12,9 +12,10 @@
 //!         key[sample] = max(key[sample], (inverse depth, !face))
 //! ```
 //!
-//! The loops below do that, with three changes: boxes without a sample centre are left at once
-//! (most triangles of a fine mesh), wide rows get their span by division instead of trying each
-//! sample, and what crosses the near plane or lies very far aside is clipped first.
+//! The loops below do that, with four changes: boxes without a sample centre are left at once
+//! (most triangles of a fine mesh), and tiny ones behind what is drawn already; large triangles get
+//! the span of each row by division instead of trying each sample; and what crosses the near plane
+//! or lies very far aside is clipped first.
 //!
 //! Depth is linear in its inverse on the picture, so this interpolation is perspective-correct. The
 //! corners of a face are taken in the order of their welded index: two faces on the same three
@@ -34,8 +35,9 @@ const STEP_BITS: u32 = 8;
 /// what remains are below 2^48.
 pub(super) const FAR_ASIDE: f32 = ((1 << 22) - 64) as f32;
 
-/// Boxes wider than this many samples are filled by spans.
-const WIDE: i32 = 12;
+/// Boxes with fewer samples than this along both sides are tried sample by sample. Edge functions
+/// inside them are below 2 · (256 · 13)² < 2^25.
+const SMALL: i32 = 12;
 
 /// A vertex on the picture.
 #[derive(Clone, Copy, Debug, Default)]
@@ -125,21 +127,21 @@ impl Scene {
             let corners = corners.map(|vertex| projected[vertex as usize]);
             let [a, b, c] = corners;
             if a.w != 0.0 && b.w != 0.0 && c.w != 0.0 {
-                let Some(area) = target.area_of(&corners) else { continue };
+                let Some(extent) = target.extent_of(&corners) else { continue };
                 if has_holes(face) {
-                    target.fill(face, &corners, area, |x, y| is_there(face, x, y));
+                    target.fill(face, &corners, extent, |x, y| is_there(face, x, y));
                 } else {
-                    target.fill(face, &corners, area, |_, _| true);
+                    target.fill(face, &corners, extent, |_, _| true);
                 }
                 continue;
             }
             let points = self.sorted[face as usize].map(|vertex| self.positions[vertex as usize]);
             for triangle in clip::clipped(view, self.near, &points, &corners) {
-                let Some(area) = target.area_of(&triangle) else { continue };
+                let Some(extent) = target.extent_of(&triangle) else { continue };
                 if has_holes(face) {
-                    target.fill(face, &triangle, area, |x, y| is_there(face, x, y));
+                    target.fill(face, &triangle, extent, |x, y| is_there(face, x, y));
                 } else {
-                    target.fill(face, &triangle, area, |_, _| true);
+                    target.fill(face, &triangle, extent, |_, _| true);
                 }
             }
         }
@@ -173,12 +175,11 @@ struct Target<'a> {
     origin_y: i32,
 }
 
-/// The samples whose centres a triangle's bounding box holds, and twice its signed area.
+/// The samples whose centres a triangle's bounding box holds: first and last column and row.
 struct Extent {
     x: [i32; 2],
     y: [i32; 2],
-    area: i64,
-    is_wide: bool,
+    is_small: bool,
 }
 
 impl<'a> Target<'a> {
@@ -195,7 +196,7 @@ impl<'a> Target<'a> {
 
     /// `None` where no sample's centre can be covered.
     #[inline]
-    fn area_of(&self, corners: &[Projected; 3]) -> Option<Extent> {
+    fn extent_of(&self, corners: &[Projected; 3]) -> Option<Extent> {
         let [a, b, c] = corners;
         // The first centre at or after the low end, the last at or before the high end.
         let first = |low: i32, origin: i32| (low - origin + STEPS - 1) >> STEP_BITS;
@@ -205,15 +206,10 @@ impl<'a> Target<'a> {
         let y0 = first(a.y.min(b.y).min(c.y), self.origin_y);
         let y1 = last(a.y.max(b.y).max(c.y), self.origin_y);
         // Of the whole box, so that the way of filling does not depend on the window.
-        let is_wide = x1 - x0 >= WIDE;
+        let is_small = (x1 - x0).max(y1 - y0) < SMALL;
         let (x0, x1) = (x0.max(0), x1.min(self.width - 1));
         let (y0, y1) = (y0.max(self.rows[0]), y1.min(self.rows[1] - 1));
-        if x0 > x1 || y0 > y1 {
-            return None;
-        }
-        let area = i64::from(b.x - a.x) * i64::from(c.y - a.y)
-            - i64::from(b.y - a.y) * i64::from(c.x - a.x);
-        (area != 0).then_some(Extent { x: [x0, x1], y: [y0, y1], area, is_wide })
+        (x0 <= x1 && y0 <= y1).then_some(Extent { x: [x0, x1], y: [y0, y1], is_small })
     }
 
     /// Writes a face's key to each sample that it covers, is nearest at, and is there.
@@ -223,61 +219,115 @@ impl<'a> Target<'a> {
         face: u32,
         corners: &[Projected; 3],
         extent: Extent,
+        is_there: impl FnMut(u32, u32) -> bool,
+    ) {
+        if extent.is_small {
+            self.fill_small(face, corners, extent, is_there);
+        } else {
+            self.fill_spans(face, corners, extent, is_there);
+        }
+    }
+
+    /// Tries every sample of the box; the edge functions fit 32 bits.
+    #[inline]
+    fn fill_small(
+        &mut self,
+        face: u32,
+        corners: &[Projected; 3],
+        extent: Extent,
         mut is_there: impl FnMut(u32, u32) -> bool,
     ) {
         let [a, b, c] = corners;
-        let Extent { x: [x0, x1], y: [y0, y1], area, is_wide } = extent;
-        let start_x = self.origin_x + x0 * STEPS;
-        let start_y = self.origin_y + y0 * STEPS;
+        let Extent { x: [x0, x1], y: [y0, y1], .. } = extent;
+        let nearest = a.w.max(b.w).max(c.w);
+        let width = self.width as usize;
+        let at = |x: i32, y: i32| (y - self.rows[0]) as usize * width + x as usize;
+        if x1 - x0 <= 1 && y1 - y0 <= 1 {
+            // Most often hidden already; then nothing needs to be set up.
+            let best = key_of(face, nearest);
+            let hidden = |x: i32, y: i32| self.keys[at(x, y)] >= best;
+            if hidden(x0, y0) && hidden(x1, y0) && hidden(x0, y1) && hidden(x1, y1) {
+                return;
+            }
+        }
+        let area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+        if area == 0 {
+            return;
+        }
         let sign = area.signum();
+        let (start_x, start_y) = (self.origin_x + x0 * STEPS, self.origin_y + y0 * STEPS);
         let edges = [
-            Edge::new(b, c, sign, start_x, start_y),
-            Edge::new(c, a, sign, start_x, start_y),
-            Edge::new(a, b, sign, start_x, start_y),
+            Edge::<i32>::new(b, c, sign, start_x, start_y),
+            Edge::<i32>::new(c, a, sign, start_x, start_y),
+            Edge::<i32>::new(a, b, sign, start_x, start_y),
+        ];
+        let per_area = 1.0 / (area * sign) as f32;
+        let mut at_row = edges.map(|edge| edge.start);
+        for y in y0..=y1 {
+            let row_start = (y - self.rows[0]) as usize * width;
+            let row = &mut self.keys[row_start + x0 as usize..=row_start + x1 as usize];
+            let [mut e0, mut e1, mut e2] = at_row;
+            for (x, cell) in (x0..).zip(row) {
+                let is_covered =
+                    (e0 + edges[0].bias) | (e1 + edges[1].bias) | (e2 + edges[2].bias) >= 0;
+                if is_covered {
+                    let w = (e0 as f32 * a.w + e1 as f32 * b.w + e2 as f32 * c.w) * per_area;
+                    let key = key_of(face, w.min(nearest));
+                    if key > *cell && is_there(x as u32, y as u32) {
+                        *cell = key;
+                    }
+                }
+                e0 += edges[0].dx;
+                e1 += edges[1].dx;
+                e2 += edges[2].dx;
+            }
+            for (value, edge) in at_row.iter_mut().zip(&edges) {
+                *value += edge.dy;
+            }
+        }
+    }
+
+    /// Finds the covered span of each row by division.
+    fn fill_spans(
+        &mut self,
+        face: u32,
+        corners: &[Projected; 3],
+        extent: Extent,
+        mut is_there: impl FnMut(u32, u32) -> bool,
+    ) {
+        let [a, b, c] = corners;
+        let Extent { x: [x0, x1], y: [y0, y1], .. } = extent;
+        let area = i64::from(b.x - a.x) * i64::from(c.y - a.y)
+            - i64::from(b.y - a.y) * i64::from(c.x - a.x);
+        if area == 0 {
+            return;
+        }
+        let sign = area.signum();
+        let (start_x, start_y) = (self.origin_x + x0 * STEPS, self.origin_y + y0 * STEPS);
+        let edges = [
+            Edge::<i64>::new(b, c, sign, start_x, start_y),
+            Edge::<i64>::new(c, a, sign, start_x, start_y),
+            Edge::<i64>::new(a, b, sign, start_x, start_y),
         ];
         // Σ e_i = |area| at every sample, so one division serves the whole triangle.
         let per_area = 1.0 / (area * sign) as f32;
         let weights = [a.w * per_area, b.w * per_area, c.w * per_area];
-        let key_of = |w: f32| u64::from(w.to_bits()) << 32 | u64::from(!face);
-
+        let slope: f32 = (0..3).map(|i| edges[i].dx as f32 * weights[i]).sum();
+        let (nearest, farthest) = (a.w.max(b.w).max(c.w), a.w.min(b.w).min(c.w));
         let mut at_row = edges.map(|edge| edge.start);
         for y in y0..=y1 {
-            let row_start = (y - self.rows[0]) as usize * self.width as usize;
-            let row = &mut self.keys[row_start..row_start + self.width as usize];
-            if is_wide {
-                if let Some([from, to]) = span(&edges, &at_row, i64::from(x1 - x0)) {
-                    let mut first = 0.0;
-                    let mut slope = 0.0;
-                    for i in 0..3 {
-                        first += (at_row[i] + edges[i].dx * from) as f32 * weights[i];
-                        slope += edges[i].dx as f32 * weights[i];
+            if let Some([from, to]) = span(&edges, &at_row, i64::from(x1 - x0)) {
+                let first: f32 =
+                    (0..3).map(|i| (at_row[i] + edges[i].dx * from) as f32 * weights[i]).sum();
+                let row_start = (y - self.rows[0]) as usize * self.width as usize + x0 as usize;
+                let cells = &mut self.keys[row_start + from as usize..=row_start + to as usize];
+                for (k, cell) in (0u32..).zip(cells) {
+                    // Rounding must not take the depth out of the triangle's range.
+                    let w = (first + slope * k as f32).max(farthest).min(nearest);
+                    let key = key_of(face, w);
+                    if key > *cell && is_there(x0 as u32 + from as u32 + k, y as u32) {
+                        *cell = key;
                     }
-                    let cells = &mut row[x0 as usize + from as usize..=x0 as usize + to as usize];
-                    for (k, cell) in cells.iter_mut().enumerate() {
-                        let key = key_of(first + slope * k as f32);
-                        if key > *cell && is_there((x0 as i64 + from) as u32 + k as u32, y as u32) {
-                            *cell = key;
-                        }
-                    }
-                }
-            } else {
-                let [mut e0, mut e1, mut e2] = at_row;
-                for x in x0..=x1 {
-                    let is_covered =
-                        (e0 + edges[0].bias) | (e1 + edges[1].bias) | (e2 + edges[2].bias) >= 0;
-                    if is_covered {
-                        let w = e0 as f32 * weights[0]
-                            + e1 as f32 * weights[1]
-                            + e2 as f32 * weights[2];
-                        let cell = &mut row[x as usize];
-                        let key = key_of(w);
-                        if key > *cell && is_there(x as u32, y as u32) {
-                            *cell = key;
-                        }
-                    }
-                    e0 += edges[0].dx;
-                    e1 += edges[1].dx;
-                    e2 += edges[2].dx;
                 }
             }
             for (value, edge) in at_row.iter_mut().zip(&edges) {
@@ -287,36 +337,48 @@ impl<'a> Target<'a> {
     }
 }
 
-/// Twice the area of a sample and an edge, positive inside, as a linear function.
-#[derive(Clone, Copy)]
-struct Edge {
-    start: i64,
-    /// Per sample to the right and downwards.
-    dx: i64,
-    dy: i64,
-    /// 0 on edges that own the samples on them (left ones, and level ones above), else -1.
-    bias: i64,
+#[inline]
+fn key_of(face: u32, w: f32) -> u64 {
+    u64::from(w.to_bits()) << 32 | u64::from(!face)
 }
 
-impl Edge {
-    #[inline]
-    fn new(from: &Projected, to: &Projected, sign: i64, x: i32, y: i32) -> Self {
-        let along_x = sign * i64::from(to.x - from.x);
-        let along_y = sign * i64::from(to.y - from.y);
-        let start = along_x * i64::from(y - from.y) - along_y * i64::from(x - from.x);
-        let owns = along_y < 0 || (along_y == 0 && along_x > 0);
-        Self {
-            start,
-            dx: -along_y * i64::from(STEPS),
-            dy: along_x * i64::from(STEPS),
-            bias: if owns { 0 } else { -1 },
-        }
-    }
+/// Twice the area of a sample and an edge, positive inside, as a linear function.
+#[derive(Clone, Copy)]
+struct Edge<T> {
+    start: T,
+    /// Per sample to the right and downwards.
+    dx: T,
+    dy: T,
+    /// 0 on edges that own the samples on them (left ones, and level ones above), else -1.
+    bias: T,
 }
+
+macro_rules! edge_over {
+    ($int:ty) => {
+        impl Edge<$int> {
+            #[inline]
+            fn new(from: &Projected, to: &Projected, sign: $int, x: i32, y: i32) -> Self {
+                let along_x = sign * (to.x - from.x) as $int;
+                let along_y = sign * (to.y - from.y) as $int;
+                let start = along_x * (y - from.y) as $int - along_y * (x - from.x) as $int;
+                let owns = (along_y < 0) | ((along_y == 0) & (along_x > 0));
+                Self {
+                    start,
+                    dx: -along_y * STEPS as $int,
+                    dy: along_x * STEPS as $int,
+                    bias: if owns { 0 } else { -1 },
+                }
+            }
+        }
+    };
+}
+
+edge_over!(i32);
+edge_over!(i64);
 
 /// The first and last column, from 0 to `last`, where no edge is negative in this row.
 #[inline]
-fn span(edges: &[Edge; 3], at_row: &[i64; 3], last: i64) -> Option<[i64; 2]> {
+fn span(edges: &[Edge<i64>; 3], at_row: &[i64; 3], last: i64) -> Option<[i64; 2]> {
     let (mut from, mut to) = (0, last);
     for (edge, value) in edges.iter().zip(at_row) {
         let value = value + edge.bias;

@@ -16,6 +16,7 @@ use super::svg::{escape, hex, number};
 use super::trainers::openings;
 use super::{Report, dome, palette, plot};
 use crate::record::ViewRecord;
+use crate::scheme;
 
 const STYLE: &str = include_str!("page.css");
 
@@ -70,11 +71,12 @@ fn header(html: &mut String, report: &Report<'_>) {
     let _ = write!(
         html,
         "<header>\n<p class=\"kicker\">Vantage · view plan</p>\n<h1>{}</h1>\n<p \
-         class=\"lead\">{views} {} chosen from {} candidates by <b>{}</b>.</p>\n",
+         class=\"lead\">{views} {} chosen from {} candidates by <b>{}</b>: {}.</p>\n",
         escape(&plan.object),
         if views == 1 { "view" } else { "views" },
         plan.candidates,
         escape(&plan.scheme),
+        escape(scheme::describe(&plan.scheme)),
     );
     let (scores, source) = match plan.exact {
         Some(scores) => (Some(scores), "exact, from the mesh"),
@@ -108,15 +110,14 @@ fn header(html: &mut String, report: &Report<'_>) {
     let seconds = &plan.seconds;
     let _ = write!(
         html,
-        "</ul>\n<p class=\"small\">Scores before smoothing, {source}; 1 is the most there can be. \
-         Seed {}, pool seed {}. Seconds: {} loading, {} labelling, {} planning, {} \
-         writing.</p>\n</header>\n",
+        "</ul>\n<p class=\"small\">Scores before smoothing, {source}; about 1 is the most there can \
+         be. Seed {}, pool seed {}. Seconds: {} loading, {} labelling, {} planning.</p>\n\
+         </header>\n",
         plan.seed,
         plan.pool_seed,
         short(seconds.load),
         short(seconds.label),
         short(seconds.plan),
-        short(seconds.write),
     );
 }
 

@@ -52,7 +52,7 @@ pub(super) fn shelf(seed: u64) -> Mesh {
         z += board + heights.get(row).copied().unwrap_or(0.0);
     }
     let panel = block(Vec3::new(width, 0.02, height), 0.11, 0.5);
-    object.add(back, panel.moved(Vec3::new(0.0, 0.5 * depth - 0.01, 0.5 * height)));
+    object.add(back, panel.moved(Vec3::new(0.0, 0.5 * depth + 0.011, 0.5 * height)));
     // A crown on top and a plinth below, a little wider than the case.
     for (z, tall) in [(height + 0.02, 0.04), (-0.03, 0.06)] {
         let slab = plank(Vec3::new(width + 0.07, depth + 0.05, tall));
@@ -77,6 +77,13 @@ fn paper(hue: f32, seed: u64) -> crate::mesh::Material {
         let colour = mix(hsv(hue + 0.5, 0.6, 0.8), ground, step(0.14, 0.18, dot));
         scaled(colour, 0.85 + 0.3 * fractal(Vec3::new(u * 40.0, v * 40.0, 0.0), 2, seed))
     })
+}
+
+/// A colour as book cloth and toys have it: any hue, yellows and greens seldom at full strength.
+fn paint_tone(chance: &mut Chance) -> [f32; 3] {
+    const HUES: [f32; 12] = [0.0, 0.02, 0.05, 0.09, 0.13, 0.22, 0.40, 0.50, 0.57, 0.62, 0.74, 0.94];
+    let hue = HUES[chance.below(HUES.len() as u32) as usize] + chance.between(-0.015, 0.015);
+    hsv(hue, chance.between(0.45, 0.75), chance.between(0.55, 0.95))
 }
 
 /// A compartment: its lower left front corner and its size.
@@ -185,7 +192,7 @@ impl Things {
             let tall = cell.size.z * chance.between(0.6, 0.92);
             let deep = cell.size.y * chance.between(0.6, 0.82);
             let from = cell.corner + Vec3::new(x + 0.5 * thick, 0.03 + chance.unit() * 0.03, 0.0);
-            let tint = hsv(chance.unit(), chance.between(0.45, 0.9), chance.between(0.55, 1.0));
+            let tint = paint_tone(chance);
             let at = from + Vec3::new(0.0, 0.5 * deep, 0.5 * tall);
             let jacket = block(Vec3::new(thick, deep, tall), 0.08, tall);
             object.add(self.cover, jacket.moved(at).tinted(tint));

@@ -114,7 +114,8 @@ pub(super) fn wood(name: &str, tone: [f32; 3], seed: u64) -> Material {
         let ring = step(0.0, 0.7, rings) * (1.0 - step(0.85, 1.0, rings));
         let fibre = noise(Vec3::new(u * 110.0, v * 9.0, 5.0), seed ^ 1);
         let patch = fractal(Vec3::new(u * 2.0, v * 2.0, 9.0), 3, seed ^ 2);
-        let [r, g, b] = scaled(tone, 0.66 + 0.30 * ring + 0.16 * (fibre - 0.5) + 0.2 * patch);
+        let [r, g, b] =
+            scaled(tone, 0.80 + 0.16 * ring + 0.14 * (fibre - 0.5) + 0.22 * (patch - 0.3));
         [r, g * (0.94 + 0.1 * patch), b * (0.82 + 0.3 * ring)]
     })
 }

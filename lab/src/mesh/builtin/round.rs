@@ -112,7 +112,7 @@ pub(super) fn vase(seed: u64) -> Mesh {
             Joined::Round,
             |t| {
                 let bow = sin(t * 0.5 * TURN);
-                let radius = belly * 0.86 * (1.0 - t) + neck * 0.9 * t + 0.2 * bow - 0.03;
+                let radius = (belly * 0.86 - 0.012) * (1.0 - t) + (neck - 0.008) * t + 0.2 * bow;
                 let height = shoulder * (1.0 - t) + 1.3 * t + 0.1 * bow;
                 Vec3::new(radius * c, radius * s, height)
             },

@@ -107,6 +107,11 @@ fn read_root(
         scene.append_mesh(&mut mesh, index.value(), &placement)?;
     }
     mesh.materials = surfaces.into_materials();
+    // The last one is for primitives that name none.
+    let last = mesh.materials.len() - 1;
+    if last > 0 && mesh.face_material.iter().all(|&material| usize::from(material) != last) {
+        mesh.materials.pop();
+    }
     Ok(mesh)
 }
 
