@@ -72,7 +72,7 @@ fn geometry(scene: &Scene, reading: &Reading, photos: &[&Photo]) -> Score {
             let primes =
                 faces.clone().map(|(j, f)| f64::from(f.complexity) * beta * sights(j) + 1.0);
             let value = scale * primes.sum::<f64>();
-            let mass: f64 = faces.map(|(_, face)| f64::from(face.complexity)).sum();
+            let mass: f64 = scene.faces.iter().map(|face| f64::from(face.complexity)).sum();
             let slack = scale * beta * mass * step_error / (1.0 - discount) + ROUNDING * value;
             Score { value, slack }
         }
