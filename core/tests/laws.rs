@@ -150,11 +150,10 @@ fn quarter_turns_and_mirrors_change_diversity_by_rounding_only() {
 #[test]
 fn a_turn_by_any_angle_changes_diversity_within_bounds_and_nothing_else() {
     // D multiplies the variances along three fixed axes, so it is not the same for a turned object.
-    // Measured over these 8 objects x 50 rotations, relative to D as the object stands: after 6, 12
-    // and 30 views it changes by 18, 11 and 2.7 % in the mean and by 81, 51 and 13 % at most. The
-    // fewer rays a face has, the more it matters how they lie to the axes. No order of plans by a D
-    // that differs by less than this means anything.
-    for (views, mean_limit, largest_limit) in [(6, 0.25, 1.2), (12, 0.16, 0.8), (30, 0.04, 0.2)] {
+    // Measured over 40 other objects x 50 rotations, relative to D as the object stands: after 6, 12
+    // and 30 views it changes by 17, 8.5 and 3.1 % in the mean and by 89, 53 and 17 % at most. The
+    // fewer rays a face has, the more it matters how they lie to the axes.
+    for (views, mean_limit, largest_limit) in [(6, 0.25, 1.2), (12, 0.15, 0.8), (30, 0.06, 0.3)] {
         let (mut sum, mut largest, mut count) = (0.0, 0.0f32, 0);
         for seed in 0..8 {
             let scene = Scene::ball(70, views, seed);
