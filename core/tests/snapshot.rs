@@ -309,7 +309,7 @@ fn a_snapshot_of_another_scorer_is_refused() {
     let bytes = small_snapshot(&scene);
     let mut others = [scene.clone(), scene.clone(), scene.clone(), scene.clone(), scene.clone()];
     others[0].faces[1].centroid.x += 1e-3;
-    others[1].faces[1].normal = -scene.faces[1].normal;
+    others[1].faces[1].normal.y *= -1.0;
     others[2].faces[0].complexity += 0.5;
     others[3].texture_total *= 2.0;
     others[4].faces.swap(0, 1);
