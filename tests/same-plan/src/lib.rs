@@ -12,6 +12,8 @@
 mod arithmetic;
 mod geometry;
 mod plans;
+mod recorded;
+mod scene;
 
 use core::fmt::{self, Write};
 
@@ -27,7 +29,9 @@ const SECTIONS: &[(&str, Section)] = &[
     ("projections", geometry::projections),
     ("candidates", plans::candidates),
     ("plans by poses", plans::blind),
-    ("plans by exact scores", plans::exact),
+    ("plans over a recorded scene", recorded::schemes),
+    ("mishaps", recorded::mishaps),
+    ("snapshots", recorded::snapshots),
 ];
 
 /// Writes the whole text: a heading `[name]` and its lines for each section.

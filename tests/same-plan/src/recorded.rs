@@ -159,10 +159,7 @@ fn over_scene(
     }
 }
 
-fn scorer(
-    reading: Reading,
-    accounts: &mut [FaceAccount; FACES],
-) -> Result<Exact<'_>, fmt::Error> {
+fn scorer(reading: Reading, accounts: &mut [FaceAccount; FACES]) -> Result<Exact<'_>, fmt::Error> {
     let sightings: &'static [Sighting<'static>] = &scene::SIGHTINGS;
     let surface =
         Surface::try_new(&scene::SURFACE, scene::TEXTURE_LIMIT).map_err(|_| fmt::Error)?;
