@@ -11,7 +11,7 @@ export type Dot = {
   mark: Status | "next";
 };
 
-/** The directions of the candidates, seen from the camera's side, the farthest first. */
+/** The directions of the candidates, seen from the camera's side, the farthest first, the next last. */
 export function dots(state: State): Dot[] {
   const { poses, progress, camera } = state;
   if (progress === null) return [];
@@ -19,7 +19,8 @@ export function dots(state: State): Dot[] {
     const mark = progress.next?.index === index ? "next" : status;
     return { index, mark, ...project(unit(position(poses, index)), camera) };
   });
-  return found.sort((a, b) => a.depth - b.depth || a.index - b.index);
+  const isNext = (dot: Dot): number => (dot.mark === "next" ? 1 : 0);
+  return found.sort((a, b) => isNext(a) - isNext(b) || a.depth - b.depth || a.index - b.index);
 }
 
 type Point = { x: number; y: number; depth: number };

@@ -1,34 +1,73 @@
 //! Smoke tests of the command line: real commands, and bad input that must be refused well.
 
 use std::fs;
-use std::path::Path;
-use std::process::Command;
+use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, ensure};
 
 use crate::command;
 use crate::workspace::{Workspace, cargo};
 
 /// A call of `cargo vantage` and what must come of it.
 struct Check {
-    /// What follows `cargo vantage`; `{out}` stands for an empty folder of this check.
-    arguments: &'static [&'static str],
+    /// What follows `cargo vantage`, separated by spaces. `{out}` stands for a folder of this
+    /// check, empty but for `damaged.glb`; `{file}` for that file's path.
+    call: &'static str,
     expect: Expect,
 }
 
 /// What must come of a call.
-#[allow(dead_code, reason = "not every kind is in use yet")]
 enum Expect {
     /// Exit code 0, and these files in `{out}`, none of them empty.
     Files(&'static [&'static str]),
     /// Exit code 0, and this text on standard output.
     Says(&'static str),
-    /// Another exit code, this text on standard error, and no panic.
+    /// Another exit code, this text on standard error, no panic, and nothing new in `{out}`.
     Refusal(&'static str),
 }
 
+use Expect::{Files, Refusal, Says};
+
+const SMALL: &[&str] = &[
+    "plan/transforms.json",
+    "plan/plan.json",
+    "plan/report.html",
+    "plan/sparse_pc.ply",
+    "plan/sparse/0/images.bin",
+    "plan/images/frame_00001.png",
+    "plan/images/frame_00005.png",
+];
+
 /// Every check. To add one, add a line.
-const CHECKS: &[Check] = &[Check { arguments: &["--help"], expect: Expect::Files(&[]) }];
+#[rustfmt::skip]
+const CHECKS: &[Check] = &[
+    Check { call: "--help", expect: Says("plan") },
+    Check { call: "plan --candidates 30 --budget 5 --size 64 --out {out}/plan", expect: Files(SMALL) },
+    Check { call: "plan ball --scheme fps --candidates 30 --budget 5 --json", expect: Says("\"ball\"") },
+    Check { call: "plan ball --space rings --candidates 24 --budget 4 --literal", expect: Says("4 of 24") },
+    Check {
+        call: "compare ball --schemes random,e --budgets 3,6 --seeds 1 --candidates 30",
+        expect: Says("random"),
+    },
+    Check { call: "fly", expect: Refusal("unrecognized subcommand 'fly'") },
+    Check { call: "plan --budget 0", expect: Refusal("at least one view") },
+    Check { call: "plan --budget 101", expect: Refusal("larger than the 100 candidates") },
+    Check { call: "plan --candidates 0", expect: Refusal("at least one view") },
+    Check { call: "plan --scheme best", expect: Refusal("no scheme `best`") },
+    Check { call: "plan --movement-cost nan", expect: Refusal("movement cost must lie between 0 and 1") },
+    Check { call: "plan --size 0 --out {out}/plan", expect: Refusal("give --size between") },
+    Check {
+        call: "plan --space rings --min-elevation 80 --max-elevation 5",
+        expect: Refusal("elevations must rise"),
+    },
+    Check { call: "plan no-such-object --out {out}/plan", expect: Refusal("no-such-object") },
+    Check { call: "plan {file} --out {out}/plan", expect: Refusal("damaged") },
+    Check { call: "plan --pool {file}", expect: Refusal("damaged.glb") },
+    Check { call: "plan --candidates 30 --budget 5 --size 64 --out {out}", expect: Refusal("not empty") },
+    Check { call: "plan --out {file}/plan", expect: Refusal("damaged.glb is a file") },
+    Check { call: "compare --budgets 0", expect: Refusal("at least one view") },
+    Check { call: "compare --schemes best", expect: Refusal("no scheme `best`") },
+];
 
 /// Builds `vantage` and makes every check.
 pub fn test(workspace: &Workspace) -> Result<()> {
@@ -37,7 +76,7 @@ pub fn test(workspace: &Workspace) -> Result<()> {
     for (index, check) in CHECKS.iter().enumerate() {
         let out = workspace.target.join("xtask/cli").join(index.to_string());
         let result = run(&program, check, &out);
-        let title = format!("vantage {}", check.arguments.join(" "));
+        let title = format!("vantage {}", check.call);
         match result {
             Ok(()) => println!("  ok    {title}"),
             Err(error) => {
@@ -50,12 +89,13 @@ pub fn test(workspace: &Workspace) -> Result<()> {
     Ok(())
 }
 
-/// Builds the release program once; returns its path.
-pub fn build(workspace: &Workspace) -> Result<std::path::PathBuf> {
+/// Builds the program with the tests' profile, whose dependencies are built already and whose
+/// overflow checks are on; returns its path.
+pub fn build(workspace: &Workspace) -> Result<PathBuf> {
     let mut build = command::new(&workspace.root, cargo());
-    build.args(["build", "--quiet", "--release", "--package", "vantage-lab", "--bin", "vantage"]);
+    build.args(["build", "--quiet", "--package", "vantage-lab", "--bin", "vantage"]);
     command::run(&mut build)?;
-    Ok(workspace.target.join("release").join(format!("vantage{}", std::env::consts::EXE_SUFFIX)))
+    Ok(workspace.target.join("debug").join(format!("vantage{}", std::env::consts::EXE_SUFFIX)))
 }
 
 fn run(program: &Path, check: &Check, out: &Path) -> Result<()> {
@@ -63,30 +103,36 @@ fn run(program: &Path, check: &Check, out: &Path) -> Result<()> {
         fs::remove_dir_all(out)?;
     }
     fs::create_dir_all(out)?;
-    let mut call: Command = command::new(out, program);
-    let folder = out.to_str().context("the target directory's path is not UTF-8")?;
-    call.args(check.arguments.iter().map(|argument| argument.replace("{out}", folder)));
+    let file = out.join("damaged.glb");
+    // A GLB header that announces 4 GB, and no more.
+    fs::write(&file, b"glTF\x02\0\0\0\xff\xff\xff\xff")?;
+    let (folder, file) = (out.to_str(), file.to_str());
+    let (folder, file) = folder.zip(file).context("the target directory's path is not UTF-8")?;
+    let mut call = command::new(out, program);
+    let words = check.call.split(' ');
+    call.args(words.map(|word| word.replace("{out}", folder).replace("{file}", file)));
+
     let output = call.output().context("the program did not start")?;
     let stdout = String::from_utf8_lossy(&output.stdout);
     let stderr = String::from_utf8_lossy(&output.stderr);
-    if stderr.contains("panicked at") {
-        bail!("it panicked: {stderr}");
-    }
-    match &check.expect {
-        Expect::Files(files) => {
+    ensure!(!stderr.contains("panicked at"), "it panicked: {stderr}");
+    match check.expect {
+        Files(files) => {
             ensure!(output.status.success(), "{}: {stderr}", output.status);
-            for file in *files {
+            for file in files {
                 let size = fs::metadata(out.join(file)).map_or(0, |metadata| metadata.len());
                 ensure!(size > 0, "it wrote no {file}");
             }
         }
-        Expect::Says(text) => {
+        Says(text) => {
             ensure!(output.status.success(), "{}: {stderr}", output.status);
             ensure!(stdout.contains(text), "it does not say `{text}`: {stdout}");
         }
-        Expect::Refusal(text) => {
+        Refusal(text) => {
             ensure!(!output.status.success(), "it accepted what it must refuse");
             ensure!(stderr.contains(text), "its refusal does not say `{text}`: {stderr}");
+            let left = fs::read_dir(out)?.count();
+            ensure!(left == 1, "it left {} files or folders behind", left - 1);
         }
     }
     Ok(())

@@ -5,9 +5,11 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::Stdio;
 
 use anyhow::{Context, Result};
 
+use crate::cli;
 use crate::command;
 use crate::test::Outcome;
 use crate::workspace::{Workspace, cargo};
@@ -19,14 +21,18 @@ struct Reader {
     name: &'static str,
     /// What pip is told besides the requirements.
     pip: &'static [&'static str],
-    /// The folders it is given, below the one that [`write_folders`] fills.
-    folders: &'static [&'static str],
+    /// For each run the folders it is given, below the one that [`write_folders`] fills.
+    runs: &'static [&'static [&'static str]],
 }
 
 /// Every reader. To add one, add a line.
 const READERS: &[Reader] = &[
-    Reader { name: "colmap", pip: &[], folders: &["trainer"] },
-    Reader { name: "nerfbaselines", pip: &["--no-deps"], folders: &["trainer", "synthetic"] },
+    Reader { name: "colmap", pip: &[], runs: &[&["trainer"], &["planned"]] },
+    Reader {
+        name: "nerfbaselines",
+        pip: &["--no-deps"],
+        runs: &[&["trainer", "synthetic"], &["planned", "synthetic"]],
+    },
 ];
 
 /// The versions of Python for which every reader has a wheel.
@@ -50,17 +56,19 @@ pub fn test(workspace: &Workspace) -> Result<Outcome> {
     }
     let folders = write_folders(workspace)?;
     for (reader, environment) in READERS.iter().zip(environments) {
-        for mode in [None, Some("--self-test")] {
+        // Faults are planted in the sample folders only: once is enough.
+        let plain = reader.runs.iter().map(|run| (None, *run));
+        let planted = reader.runs.first().map(|run| (Some("--self-test"), *run));
+        for (mode, run) in plain.chain(planted) {
             let mut check = command::new(&workspace.root, &environment);
             check.arg(format!("{FOLDER}/check_{}.py", reader.name)).args(mode);
-            check.args(reader.folders.iter().map(|folder| folders.join(folder)));
-            command::run(&mut check)?;
+            command::run(check.args(run.iter().map(|folder| folders.join(folder))))?;
         }
     }
     Ok(Outcome::Passed)
 }
 
-/// Folders of both profiles, without a mesh or a renderer.
+/// `trainer` and `synthetic`, made without a mesh or a renderer, and `planned`, a whole plan.
 fn write_folders(workspace: &Workspace) -> Result<PathBuf> {
     let out = workspace.target.join("xtask/readers-folders");
     if out.exists() {
@@ -70,6 +78,9 @@ fn write_folders(workspace: &Workspace) -> Result<PathBuf> {
     let mut example = command::new(&workspace.root, cargo());
     example.args(["run", "--quiet", "--package", "vantage-lab", "--example", "sample_folders"]);
     command::run(example.arg("--").arg(&out))?;
+    let mut plan = command::new(&workspace.root, cli::build(workspace)?);
+    plan.args(["plan", "--candidates", "40", "--budget", "12", "--size", "128", "--out"]);
+    command::run(plan.arg(out.join("planned")).stdout(Stdio::null()))?;
     Ok(out)
 }
 

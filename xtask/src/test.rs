@@ -94,14 +94,16 @@ fn parse(arguments: &[String]) -> Result<Request<'_>> {
     Ok(request)
 }
 
-/// The steps whose names begin as asked; all where no name is given.
+/// The steps of the names asked for, or else those whose names begin so; all where none is given.
 fn select(request: &Request<'_>) -> Result<Vec<&'static Step>> {
-    for name in &request.names {
-        if !STEPS.iter().any(|step| step.name.starts_with(name)) {
-            bail!("no step's name begins with `{name}`; see `cargo xtask test --list`");
-        }
+    let is_full = |name: &str| STEPS.iter().any(|step| step.name == name);
+    let matches = |step: &Step, name: &str| {
+        step.name == name || (!is_full(name) && step.name.starts_with(name))
+    };
+    if let Some(name) = request.names.iter().find(|name| !STEPS.iter().any(|s| matches(s, name))) {
+        bail!("no step's name begins with `{name}`; see `cargo xtask test --list`");
     }
-    let asked = |step: &Step| request.names.iter().any(|name| step.name.starts_with(name));
+    let asked = |step: &Step| request.names.iter().any(|name| matches(step, name));
     Ok(STEPS.iter().filter(|step| request.names.is_empty() || asked(step)).collect())
 }
 
@@ -157,6 +159,8 @@ mod tests {
         let arguments = ["same-plan".to_owned()];
         let selected = select(&parse(&arguments).unwrap()).unwrap();
         assert_eq!(selected.len(), 3);
+        let full = ["cli".to_owned()];
+        assert_eq!(select(&parse(&full).unwrap()).unwrap().len(), 1, "not clippy too");
         assert_eq!(select(&Request::default()).unwrap().len(), STEPS.len());
     }
 
