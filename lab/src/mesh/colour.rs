@@ -1,5 +1,10 @@
 //! The sRGB transfer function (IEC 61966-2-1), both ways.
 
+/// The nearest value in [0, 1]; NaN gives 0.
+pub fn in_unit(value: f32) -> f32 {
+    if value > 0.0 { value.min(1.0) } else { 0.0 }
+}
+
 /// Linear light of an sRGB value, both in [0, 1].
 pub fn linear_from_srgb(value: f32) -> f32 {
     if value <= 0.04045 {

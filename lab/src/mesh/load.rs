@@ -194,8 +194,7 @@ fn checked(mut mesh: Mesh, warnings: &mut Warnings) -> Result<Mesh, Problem> {
         }
     }
     for colour in mesh.colours.iter_mut().flatten().flatten() {
-        // Not `clamp`, which lets NaN through.
-        *colour = colour.max(0.0).min(1.0);
+        *colour = super::colour::in_unit(*colour);
     }
     Ok(mesh)
 }

@@ -24,6 +24,8 @@ use vantage_core::{Vec2, Vec3};
 
 mod builtin;
 pub mod colour;
+#[cfg(test)]
+mod file_tests;
 mod gltf;
 mod load;
 mod normalise;

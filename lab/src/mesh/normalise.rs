@@ -122,11 +122,12 @@ fn circumscribed(points: &[DVec3]) -> Option<Sphere> {
         if rows[column][column].abs() <= 1e-14 * largest {
             return None;
         }
-        for row in 0..n {
-            if row != column {
-                let factor = rows[row][column] / rows[column][column];
-                for k in column..4 {
-                    rows[row][k] -= factor * rows[column][k];
+        let pivot = rows[column];
+        for (j, row) in rows.iter_mut().enumerate().take(n) {
+            if j != column {
+                let factor = row[column] / pivot[column];
+                for (value, below) in row.iter_mut().zip(&pivot) {
+                    *value -= factor * below;
                 }
             }
         }

@@ -10,7 +10,7 @@ use std::collections::HashMap;
 use glam::DVec3;
 use vantage_core::{Vec2, Vec3};
 
-use super::colour::linear_from_srgb;
+use super::colour::{in_unit, linear_from_srgb};
 use super::load::{Files, MAX_ELEMENTS, Problem, Warnings, decode_image};
 use super::{Material, Mesh, Texture, Wrap};
 
@@ -71,7 +71,7 @@ impl Reader {
                 self.positions.push(Vec3::new(numbers[0], numbers[1], numbers[2]));
                 if let &[_, _, _, r, g, b, ..] = numbers.as_slice() {
                     self.colours.resize(self.positions.len() - 1, [1.0; 3]);
-                    self.colours.push([r, g, b].map(|c| linear_from_srgb(c.max(0.0).min(1.0))));
+                    self.colours.push([r, g, b].map(|c| linear_from_srgb(in_unit(c))));
                 }
             }
             "vt" => {
@@ -154,7 +154,7 @@ impl Reader {
                 "Kd" => match numbers(rest, 3) {
                     Ok(kd) => {
                         for (to, from) in material.base_colour.iter_mut().zip(&kd[..3]) {
-                            *to = linear_from_srgb(from.max(0.0).min(1.0));
+                            *to = linear_from_srgb(in_unit(*from));
                         }
                     }
                     Err(_) => {

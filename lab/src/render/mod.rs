@@ -41,6 +41,8 @@ mod clip;
 mod raster;
 mod shade;
 mod srgb;
+#[cfg(test)]
+mod tests;
 mod texture;
 mod view;
 

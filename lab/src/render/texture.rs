@@ -129,9 +129,10 @@ fn split(coordinate: f32, size: i32, wrap: Wrap) -> (i32, f32) {
     let coordinate = match wrap {
         Wrap::Repeat => coordinate - floor(coordinate) as f32,
         Wrap::Mirror => coordinate - 2.0 * floor(coordinate * 0.5) as f32,
-        Wrap::Clamp => coordinate.clamp(-1.0, 2.0),
+        Wrap::Clamp => coordinate,
     };
-    let position = coordinate * size as f32 - 0.5;
+    // Beyond what `floor` can count, turns remain; nothing sensible is lost.
+    let position = coordinate.clamp(-1.0, 2.0) * size as f32 - 0.5;
     let whole = floor(position);
     (whole, position - whole as f32)
 }

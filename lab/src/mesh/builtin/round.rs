@@ -227,7 +227,7 @@ pub(super) fn ball(seed: u64) -> Mesh {
         1 => painted("beach ball", 512, |u, v| {
             let d = on_globe(u, v);
             let sector = (u * 8.0) as u32;
-            let base = if sector % 2 == 0 {
+            let base = if sector.is_multiple_of(2) {
                 hsv(hue + 0.125 * sector as f32, 0.82, 0.9)
             } else {
                 hsv(0.12, 0.1, 0.96)

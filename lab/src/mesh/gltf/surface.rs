@@ -10,6 +10,7 @@ use image::RgbaImage;
 
 use super::accessor::{Buffers, view_bytes};
 use super::resource;
+use crate::mesh::colour::in_unit;
 use crate::mesh::load::{Files, Warnings, decode_image};
 use crate::mesh::{Material, Texture, Wrap};
 
@@ -55,7 +56,7 @@ impl Surfaces {
                     None
                 }
             });
-            let mut base_colour = factor.map(|c| c.max(0.0).min(1.0));
+            let mut base_colour = factor.map(in_unit);
             let cutoff = source.alpha_cutoff.map_or(0.5, |cutoff| cutoff.0);
             let alpha_cutoff = match source.alpha_mode {
                 Checked::Valid(AlphaMode::Mask) => Some(cutoff),
