@@ -32,7 +32,7 @@ function golden(heading: string): { index: number; mark: string }[] {
   expect(begin, heading).toBeGreaterThan(-1);
   const choices = [];
   for (const line of lines.slice(begin + 1)) {
-    const match = /^ {2}(\d+) - [0-9a-f]{8}( \w+)?$/.exec(line);
+    const match = /^ {2}(\d+) [0-9a-f]{8}( \w+)?$/.exec(line);
     if (match === null) break;
     choices.push({ index: Number(match[1]), mark: match[2]?.trim() ?? "taken" });
   }
