@@ -386,11 +386,14 @@ fn records_that_cannot_be_are_refused() {
     refused(stop, 1, &[2]); // neither with a stop rule nor without
     refused(stop + 5, 6, &[0]); // no patience
     refused(stop + 6, 0, &f32::NAN.to_le_bytes()); // the centre
-    // From the end: two accounts, the ledger's head, and before it one view of a candidate.
     let pose = scene.poses()[0].position().x.to_le_bytes();
     let first = all.windows(4).position(|window| window == pose).unwrap();
     refused(first, pose[0], &f32::INFINITY.to_le_bytes());
     refused(first + 28, all[first + 28], &[4]); // an unknown status
+    // A candidate takes 29 bytes; the view comes after the three of them.
+    let view = first + 3 * 29;
+    assert_eq!(all[view + 28], 1);
+    refused(view + 29, all[view + 29], &[3]); // a view of a candidate that does not exist
 }
 
 proptest! {
