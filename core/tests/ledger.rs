@@ -10,7 +10,7 @@ mod common;
 use common::reference::{self, Score};
 use common::{Photo, Scene, cases, texture_total};
 use proptest::prelude::*;
-use vantage_core::objectives::{Face, FaceAccount, Form, Ledger, Reading, Surface, WrongLength};
+use vantage_core::objectives::{Face, FaceAccount, Form, Ledger, LedgerError, Reading, Surface};
 use vantage_core::{Objective, Vec3};
 
 fn coordinates(reach: f32) -> impl Strategy<Value = Vec3> {
@@ -254,5 +254,23 @@ fn one_account_is_needed_for_each_face() {
     let surface = Surface::try_new(&scene.faces, 1.0).unwrap();
     let mut accounts = [FaceAccount::default(); 2];
     let refused = Ledger::try_new(surface, Reading::default(), &mut accounts);
-    assert_eq!(refused.err(), Some(WrongLength { expected: 1, got: 2 }));
+    assert_eq!(refused.err(), Some(LedgerError::WrongLength { expected: 1, got: 2 }));
+}
+
+#[test]
+fn a_reading_out_of_range_is_refused() {
+    let scene = one_face(Vec3::ONE);
+    let surface = Surface::try_new(&scene.faces, 1.0).unwrap();
+    let reading = Reading::default();
+    for wrong in [
+        Reading { geometry_discount: 1.0, ..reading },
+        Reading { texture_discount: -0.1, ..reading },
+        Reading { texture_discount: f32::NAN, ..reading },
+        Reading { sigma_q: 0.0, ..reading },
+        Reading { beta_q: f32::INFINITY, ..reading },
+    ] {
+        let mut accounts = [FaceAccount::default()];
+        let refused = Ledger::try_new(surface, wrong, &mut accounts);
+        assert_eq!(refused.err(), Some(LedgerError::BadReading), "{wrong:?}");
+    }
 }

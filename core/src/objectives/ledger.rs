@@ -40,26 +40,34 @@ pub struct Ledger<'a> {
     views: u32,
 }
 
-/// The caller's array has not one account for each face.
+/// Why a ledger cannot be opened.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct WrongLength {
-    /// Faces of the surface.
-    pub expected: usize,
-    /// Accounts handed over.
-    pub got: usize,
+pub enum LedgerError {
+    /// The caller's array has not one account for each face.
+    WrongLength {
+        /// Faces of the surface.
+        expected: usize,
+        /// Accounts handed over.
+        got: usize,
+    },
+    /// A discount of the reading is not in [0, 1), or its sigma or beta is not positive and finite.
+    BadReading,
 }
 
-impl core::fmt::Display for WrongLength {
+impl core::fmt::Display for LedgerError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        write!(
-            f,
-            "the ledger needs {} accounts, one for each face, not {}",
-            self.expected, self.got
-        )
+        match self {
+            Self::WrongLength { expected, got } => {
+                write!(f, "the ledger needs {expected} accounts, one for each face, not {got}")
+            }
+            Self::BadReading => f.write_str(
+                "the reading's discounts must lie in [0, 1), its sigma and beta above 0",
+            ),
+        }
     }
 }
 
-impl core::error::Error for WrongLength {}
+impl core::error::Error for LedgerError {}
 
 impl<'a> Ledger<'a> {
     /// An empty account over a surface, in the caller's memory (44 bytes a face).
@@ -67,10 +75,13 @@ impl<'a> Ledger<'a> {
         surface: Surface<'a>,
         reading: Reading,
         accounts: &'a mut [FaceAccount],
-    ) -> Result<Self, WrongLength> {
+    ) -> Result<Self, LedgerError> {
         let (expected, got) = (surface.faces().len(), accounts.len());
         if expected != got {
-            return Err(WrongLength { expected, got });
+            return Err(LedgerError::WrongLength { expected, got });
+        }
+        if !reading.is_sound() {
+            return Err(LedgerError::BadReading);
         }
         accounts.fill(FaceAccount { texture_left: 1.0, ..FaceAccount::default() });
         Ok(Self { surface, reading, accounts, texture: 0.0, views: 0 })

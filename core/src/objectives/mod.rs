@@ -11,7 +11,7 @@ mod scores;
 mod surface;
 mod texture;
 
-pub use ledger::{FaceAccount, Ledger, WrongLength};
+pub use ledger::{FaceAccount, Ledger, LedgerError};
 pub use reading::{Form, Reading};
 pub use scores::{Objective, Scores, smoothing};
 pub use surface::{Face, FaceSet, Sighting, Surface, SurfaceError};

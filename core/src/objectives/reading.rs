@@ -31,9 +31,9 @@ pub struct Reading {
     pub geometry_discount: f32,
     /// d_T in [0, 1): likewise for T.
     pub texture_discount: f32,
-    /// sigma_Q of the Laplacian of Gaussian, in mean edge lengths; the literal form divides by it.
+    /// sigma_Q > 0 of the Laplacian of Gaussian, in mean edge lengths; the literal form divides by it.
     pub sigma_q: f32,
-    /// beta_Q, the literal form's factor.
+    /// beta_Q > 0, the literal form's factor.
     pub beta_q: f32,
 }
 
@@ -53,6 +53,14 @@ impl Reading {
     /// The paper's equations as they stand, with the discounts of the default.
     pub fn literal() -> Self {
         Self { form: Form::Literal, ..Self::default() }
+    }
+
+    /// Whether every parameter is in its range: gains of C, Q and T then never rise.
+    pub(crate) fn is_sound(&self) -> bool {
+        let discounts = [self.geometry_discount, self.texture_discount];
+        let factors = [self.sigma_q, self.beta_q];
+        discounts.iter().all(|discount| (0.0..1.0).contains(discount))
+            && factors.iter().all(|factor| *factor > 0.0 && factor.is_finite())
     }
 
     pub(crate) fn diversity_rule(&self) -> Rule {
