@@ -2,10 +2,8 @@
 
 use std::fmt;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
-use image::{ImageReader, Limits, RgbaImage};
-
+use super::source::{Files, Problem, Warnings};
 use super::{Mesh, gltf, obj};
 
 /// A mesh and what was not quite right with its file.
@@ -35,29 +33,6 @@ pub struct LoadError {
     pub path: PathBuf,
     /// What is wrong with it.
     pub problem: Problem,
-}
-
-/// What is wrong with a file.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Problem {
-    /// There is no such file.
-    Missing,
-    /// The file, or a buffer it names, cannot be read: the system's reason.
-    Unreadable(String),
-    /// Neither the content nor the extension is one that is read.
-    UnknownFormat,
-    /// The content breaks its format's rules: how.
-    Corrupt(String),
-    /// The file needs a glTF extension that is not supported: its name.
-    NeedsExtension(String),
-    /// No triangles in it.
-    NoFaces,
-    /// A coordinate that a face uses is NaN or infinite.
-    NotFinite,
-    /// All triangles have zero area: how many.
-    AllDegenerate(usize),
-    /// More than this many triangles or vertices.
-    TooLarge(usize),
 }
 
 impl fmt::Display for LoadError {
@@ -101,9 +76,6 @@ impl fmt::Display for LoadError {
 
 impl std::error::Error for LoadError {}
 
-/// More triangles, or vertices of them, than this are refused, so that no file can exhaust memory.
-pub(super) const MAX_ELEMENTS: usize = 16_000_000;
-
 /// Loads a GLB, glTF or OBJ file; the content decides before the extension does.
 pub fn load(path: impl AsRef<Path>) -> Result<Loaded, LoadError> {
     let path = path.as_ref();
@@ -127,14 +99,14 @@ pub fn load(path: impl AsRef<Path>) -> Result<Loaded, LoadError> {
 /// Without a folder no other file is read: textures are missing, outer buffers are an error.
 pub fn from_bytes(bytes: &[u8], format: Format, folder: Option<&Path>) -> Result<Loaded, Problem> {
     let mut warnings = Warnings::default();
-    let files = Files { folder };
+    let files = Files::new(folder);
     let mesh = match format {
         Format::Glb => gltf::read_glb(bytes, files, &mut warnings)?,
         Format::Gltf => gltf::read_gltf(bytes, files, &mut warnings)?,
         Format::Obj => obj::read(bytes, files, &mut warnings)?,
     };
     let mesh = checked(mesh, &mut warnings)?;
-    Ok(Loaded { mesh, warnings: warnings.0 })
+    Ok(Loaded { mesh, warnings: warnings.into_sentences() })
 }
 
 fn format_of(path: &Path, bytes: &[u8]) -> Option<Format> {
@@ -197,61 +169,4 @@ fn checked(mut mesh: Mesh, warnings: &mut Warnings) -> Result<Mesh, Problem> {
         *colour = super::colour::in_unit(*colour);
     }
     Ok(mesh)
-}
-
-/// Sentences about what was left out, each once.
-#[derive(Debug, Default)]
-pub(super) struct Warnings(Vec<String>);
-
-impl Warnings {
-    pub(super) fn add(&mut self, sentence: String) {
-        if !self.0.contains(&sentence) {
-            self.0.push(sentence);
-        }
-    }
-}
-
-/// Where the files that a mesh names are looked for: relative to its own folder.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Files<'a> {
-    folder: Option<&'a Path>,
-}
-
-impl Files<'_> {
-    /// The bytes of a file beside the mesh, or why there are none.
-    pub(super) fn read(&self, name: &str) -> Result<Vec<u8>, String> {
-        let folder = self.folder.ok_or("no folder to look in")?;
-        // Exporters on Windows write back slashes; absolute paths of the author's machine are
-        // tried by their last part.
-        let name = name.replace('\\', "/");
-        let direct = folder.join(&name);
-        let last = folder.join(name.rsplit('/').next().unwrap_or(&name));
-        read_file(&direct).or_else(|why| read_file(&last).map_err(|_| why))
-    }
-}
-
-/// A regular file of at most 1 GiB: a mesh may name anything, also a device without end.
-fn read_file(path: &Path) -> Result<Vec<u8>, String> {
-    let about = std::fs::metadata(path).map_err(|error| error.to_string())?;
-    if !about.is_file() || about.len() > 1 << 30 {
-        return Err("not a file of at most 1 GiB".to_owned());
-    }
-    std::fs::read(path).map_err(|error| error.to_string())
-}
-
-/// Decodes a PNG or JPEG image to RGBA, or says why it cannot.
-pub(super) fn decode_image(bytes: &[u8]) -> Result<Arc<RgbaImage>, String> {
-    let mut reader = ImageReader::new(std::io::Cursor::new(bytes))
-        .with_guessed_format()
-        .map_err(|error| error.to_string())?;
-    let mut limits = Limits::default();
-    limits.max_image_width = Some(16_384);
-    limits.max_image_height = Some(16_384);
-    limits.max_alloc = Some(1 << 30);
-    reader.limits(limits);
-    let image = reader.decode().map_err(|error| error.to_string())?;
-    if image.width() == 0 || image.height() == 0 {
-        return Err("it has no pixels".to_owned());
-    }
-    Ok(Arc::new(image.into_rgba8()))
 }

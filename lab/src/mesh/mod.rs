@@ -30,10 +30,12 @@ mod gltf;
 mod load;
 mod normalise;
 mod obj;
+mod source;
 
 pub use builtin::{BUILTIN, builtin, noisy_blob};
-pub use load::{Format, LoadError, Loaded, Problem, from_bytes, load};
+pub use load::{Format, LoadError, Loaded, from_bytes, load};
 pub use normalise::normalise;
+pub use source::Problem;
 
 /// Triangles with materials; every surface is seen from both sides.
 ///

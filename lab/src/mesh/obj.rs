@@ -11,7 +11,7 @@ use glam::DVec3;
 use vantage_core::{Vec2, Vec3};
 
 use super::colour::{in_unit, linear_from_srgb};
-use super::load::{Files, MAX_ELEMENTS, Problem, Warnings, decode_image};
+use super::source::{Files, MAX_ELEMENTS, Problem, Warnings, decode_image};
 use super::{Material, Mesh, Texture, Wrap};
 
 /// One corner of a polygon: indices of its position, texture coordinate and normal.

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use vantage_core::Vec3;
 
-use super::raster::{FAR_ASIDE, Projected, projected};
+use super::vertex::{FAR_ASIDE, Projected, projected};
 use super::view::View;
 
 /// A corner of the polygon that is left, in the camera's frame: right, up, depth.

@@ -31,9 +31,10 @@ use image::{Rgba, RgbaImage};
 use rayon::prelude::*;
 use vantage_core::{Camera, Pose, Vec3};
 
-use self::raster::{Projected, Scene, Window};
+use self::raster::{Scene, Window};
 use self::shade::Shader;
 use self::srgb::{encode, linear};
+use self::vertex::Projected;
 use self::view::View;
 use crate::mesh::Mesh;
 
@@ -44,6 +45,7 @@ mod srgb;
 #[cfg(test)]
 mod tests;
 mod texture;
+mod vertex;
 mod view;
 
 /// Where a pixel shows no face.

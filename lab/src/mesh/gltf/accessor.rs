@@ -7,7 +7,7 @@ use gltf::json::Root;
 use gltf::json::accessor::{Accessor, ComponentType, Type};
 use gltf::json::validation::Checked;
 
-use crate::mesh::load::{MAX_ELEMENTS, Problem};
+use crate::mesh::source::{MAX_ELEMENTS, Problem};
 
 /// The bytes of a file's buffers, in its order.
 pub(super) type Buffers = [Vec<u8>];

@@ -13,7 +13,7 @@ use vantage_core::{Vec2, Vec3};
 use self::accessor::{Buffers, corrupt, floats, integers};
 use self::surface::{Surface, Surfaces};
 use super::Mesh;
-use super::load::{Files, MAX_ELEMENTS, Problem, Warnings};
+use super::source::{Files, MAX_ELEMENTS, Problem, Warnings};
 
 mod accessor;
 mod surface;

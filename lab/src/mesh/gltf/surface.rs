@@ -11,7 +11,7 @@ use image::RgbaImage;
 use super::accessor::{Buffers, view_bytes};
 use super::resource;
 use crate::mesh::colour::in_unit;
-use crate::mesh::load::{Files, Warnings, decode_image};
+use crate::mesh::source::{Files, Warnings, decode_image};
 use crate::mesh::{Material, Texture, Wrap};
 
 /// A material and the texture coordinates that go with it.
