@@ -103,8 +103,11 @@ fn draw_caption(
         None => view.reason.clone(),
     };
     draw_text(sheet, (right_of_badge, top + 4), &shortened(&words, room), colour);
-    let gain = shortened(&format!("gain {}", number(view.gain, 3)), PHOTO_WIDTH - 2 * PADDING);
-    draw_text(sheet, (left, top + badge.1 + PADDING - 3), &gain, Rgb(palette::MUTED));
+    // The first views, and those by chance, expect nothing.
+    if view.gain != 0.0 {
+        let gain = shortened(&format!("gain {}", number(view.gain, 3)), PHOTO_WIDTH - 2 * PADDING);
+        draw_text(sheet, (left, top + badge.1 + PADDING - 3), &gain, Rgb(palette::MUTED));
+    }
 }
 
 /// The photo over the backdrop, at another size.

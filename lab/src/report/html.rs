@@ -309,7 +309,11 @@ fn opening(html: &mut String, report: &Report<'_>) {
 }
 
 fn gain(view: &ViewRecord) -> String {
-    if view.gain >= 0.0 { format!("+{}", number(view.gain, 3)) } else { number(view.gain, 3) }
+    match view.gain {
+        0.0 => String::from("–"), // the first views, and those by chance, expect nothing
+        gain if gain > 0.0 => format!("+{}", number(gain, 3)),
+        gain => number(gain, 3),
+    }
 }
 
 /// Seconds with two digits that matter.
