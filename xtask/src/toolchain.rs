@@ -85,19 +85,22 @@ fn can_build_std() -> bool {
     })
 }
 
-/// Debian's cargo, with `rust-lld` on PATH where a rustup toolchain has one.
+/// Debian's cargo with a linker: `rust-lld` where a rustup toolchain has one, else Debian's `lld`.
 fn debian_cargo(workspace: &Workspace) -> Command {
     let mut cargo = command::new(&workspace.root, DEBIAN_CARGO);
     cargo.env("RUSTC", DEBIAN_RUSTC).env("RUSTC_BOOTSTRAP", "1").env_remove("RUSTUP_TOOLCHAIN");
     let mut here = command::new(&workspace.root, rustc());
-    if let Some(folder) = command::probe(here.args(["--print", "target-libdir"]))
-        && let Some(host) = Path::new(&folder).parent()
-    {
+    let libraries = command::probe(here.args(["--print", "target-libdir"])).unwrap_or_default();
+    let programs = Path::new(&libraries).with_file_name("bin");
+    if programs.join("rust-lld").exists() {
         let path = env::var_os("PATH").unwrap_or_default();
-        let folders = env::split_paths(&path).chain([host.join("bin")]);
+        let folders = env::split_paths(&path).chain([programs]);
         if let Ok(path) = env::join_paths(folders) {
             cargo.env("PATH", path);
         }
+    } else {
+        cargo.env("CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_LINKER", "wasm-ld");
+        cargo.env("CARGO_TARGET_THUMBV7EM_NONE_EABIHF_LINKER", "ld.lld");
     }
     cargo
 }
