@@ -4,7 +4,7 @@
 //! Numbers are the bits of an `f32` in hexadecimal, so that a difference in the last place shows.
 //! NaN is written `nan`, because its payload is not specified across targets.
 //!
-//! A section is a function in [`SECTIONS`] that writes lines. To add one, write the function, name
+//! A section is a function in `SECTIONS` that writes lines. To add one, write the function, name
 //! it there, and run `cargo xtask golden`; the difference is reviewed like code.
 #![no_std]
 #![forbid(unsafe_code)]
