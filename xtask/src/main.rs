@@ -30,7 +30,7 @@ Developer tasks of Vantage. Usage: cargo xtask <task>
                                    --quick leaves out the slow ones, --list only names them
   setup                            obtain what the tasks need: Rust targets and components, QEMU,
                                    Node; says in one message what is still missing
-  golden                           rewrite tests/same-plan/golden from the host's build
+  golden                           record the scene of tests/same-plan anew and rewrite its text
   firmware                         build the Cortex-M firmware and run it in QEMU
   wasm                             build the WebAssembly package into web/src/wasm
   serve [PORT]                     build the page and serve it on 127.0.0.1 (default port 8080)

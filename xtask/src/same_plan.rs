@@ -13,9 +13,17 @@ use crate::workspace::{Workspace, cargo};
 
 const GOLDEN: &str = "tests/same-plan/golden/plans.txt";
 
+/// The visibility table that plans are made over: generated Rust, compiled into every target.
+const SCENE: &str = "tests/same-plan/src/scene.rs";
+
+/// The recorded scene is what its generator writes today.
+pub fn scene(workspace: &Workspace) -> Result<()> {
+    compare(workspace, SCENE, &scene_text(workspace)?)
+}
+
 /// The release build of the host.
 pub fn on_host(workspace: &Workspace) -> Result<()> {
-    compare(workspace, &host_text(workspace)?)
+    compare(workspace, GOLDEN, &host_text(workspace)?)
 }
 
 /// WebAssembly, in Node.
@@ -24,28 +32,40 @@ pub fn on_wasm32(workspace: &Workspace) -> Result<()> {
     command::run(build.args(["--package", "same-plan-wasm"]))?;
     let mut node = command::new(&workspace.root, "node");
     node.arg("tests/same-plan/run-wasm.mjs").arg(folder.join("same_plan_wasm.wasm"));
-    compare(workspace, &command::capture_within(&mut node, Duration::from_secs(120))?)
+    compare(workspace, GOLDEN, &command::capture_within(&mut node, Duration::from_secs(120))?)
 }
 
 /// The firmware, in QEMU.
 pub fn on_thumbv7em(workspace: &Workspace) -> Result<()> {
     let folder = firmware::build(workspace)?;
-    compare(workspace, &firmware::run(workspace, &folder.join("firmware-same-plan"))?)
+    compare(workspace, GOLDEN, &firmware::run(workspace, &folder.join("firmware-same-plan"))?)
 }
 
-/// Rewrites the committed text from the host's build.
+/// Records the scene anew, then rewrites the committed text from the host's build.
 pub fn write_golden(workspace: &Workspace) -> Result<()> {
-    let text = host_text(workspace)?;
-    let path = workspace.path(GOLDEN);
+    rewrite(workspace, SCENE, &scene_text(workspace)?)?;
+    rewrite(workspace, GOLDEN, &host_text(workspace)?)
+}
+
+fn rewrite(workspace: &Workspace, file: &str, text: &str) -> Result<()> {
+    let path = workspace.path(file);
     let before = fs::read_to_string(&path).unwrap_or_default();
-    match first_difference(&text, &before) {
-        None => println!("{GOLDEN} stays as it is"),
+    match first_difference(text, &before) {
+        None => println!("{file} stays as it is"),
         Some(difference) => {
-            fs::write(&path, text).with_context(|| format!("{GOLDEN} could not be written"))?;
-            println!("{GOLDEN} is rewritten; the first change:\n{difference}");
+            fs::write(&path, text).with_context(|| format!("{file} could not be written"))?;
+            println!("{file} is rewritten; the first change:\n{difference}");
         }
     }
     Ok(())
+}
+
+fn scene_text(workspace: &Workspace) -> Result<String> {
+    let mut record = command::new(&workspace.root, cargo());
+    // A program and not an example: examples build all that tests need besides.
+    let program = ["--package", "vantage-lab", "--bin", "record_scene"];
+    record.args(["run", "--quiet", "--release"]).args(program);
+    command::capture_within(&mut record, Duration::from_secs(1800))
 }
 
 fn host_text(workspace: &Workspace) -> Result<String> {
@@ -54,12 +74,12 @@ fn host_text(workspace: &Workspace) -> Result<String> {
     command::capture_within(&mut host, Duration::from_secs(1800))
 }
 
-fn compare(workspace: &Workspace, written: &str) -> Result<()> {
-    let path: PathBuf = workspace.path(GOLDEN);
-    let committed = fs::read_to_string(path).with_context(|| format!("{GOLDEN} is not there"))?;
+fn compare(workspace: &Workspace, file: &str, written: &str) -> Result<()> {
+    let path: PathBuf = workspace.path(file);
+    let committed = fs::read_to_string(path).with_context(|| format!("{file} is not there"))?;
     if let Some(difference) = first_difference(written, &committed) {
         bail!(
-            "the text differs from {GOLDEN}:\n{difference}\nIf the change is meant, run \
+            "the text differs from {file}:\n{difference}\nIf the change is meant, run \
              `cargo xtask golden` and commit the difference"
         );
     }

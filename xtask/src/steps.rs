@@ -82,6 +82,13 @@ pub const STEPS: &[Step] = &[
         run: rustdoc,
     },
     Step {
+        name: "same-plan-scene",
+        about: "the recorded scene is what its generator writes",
+        slow: true,
+        needs: &[],
+        run: |workspace| same_plan::scene(workspace).map(Outcome::passed),
+    },
+    Step {
         name: "same-plan-host",
         about: "the host's release build writes the committed plans",
         slow: false,

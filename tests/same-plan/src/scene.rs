@@ -1,4 +1,4 @@
-// Written by `cargo run --example record_scene` of vantage-lab (`cargo xtask golden`).
+// Written by the program record_scene of vantage-lab (`cargo xtask golden`).
 //! A noisy blob of few faces, and what 64 candidates see of it.
 #![cfg_attr(rustfmt, rustfmt_skip)]
 #![allow(clippy::unreadable_literal)]

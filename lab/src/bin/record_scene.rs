@@ -22,9 +22,7 @@ fn main() -> Result<()> {
     let vector =
         |v: vantage_core::Vec3| format!("Vec3::new({}, {}, {})", bits(v.x), bits(v.y), bits(v.z));
 
-    println!(
-        "// Written by `cargo run --example record_scene` of vantage-lab (`cargo xtask golden`)."
-    );
+    println!("// Written by the program record_scene of vantage-lab (`cargo xtask golden`).");
     println!("//! A noisy blob of few faces, and what {CANDIDATES} candidates see of it.");
     println!("#![cfg_attr(rustfmt, rustfmt_skip)]");
     println!("#![allow(clippy::unreadable_literal)]");
