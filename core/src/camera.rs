@@ -81,7 +81,7 @@ impl Camera {
 
     /// The horizontal field of view in radians, for a centred principal point.
     pub fn fov_x_rad(&self) -> f32 {
-        2.0 * libm::atanf(0.5 * self.width as f32 / self.fx)
+        2.0 * math::atan(0.5 * self.width as f32 / self.fx)
     }
 
     /// The same field of view at another size in pixels.

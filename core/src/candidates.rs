@@ -64,7 +64,7 @@ pub enum ViewSpace {
 pub enum PoolError {
     /// A pool needs at least one view.
     Empty,
-    /// The radius is not positive and finite.
+    /// The radius is not between 1e-6 and 1e6 metres.
     BadRadius {
         /// The radius given, metres.
         radius_m: f32,
@@ -83,8 +83,11 @@ pub enum PoolError {
         /// Views to deal to them.
         count: usize,
     },
-    /// The number of turns or the target is not finite.
-    NotFinite,
+    /// The number of turns is not finite, or too large to wind.
+    BadTurns,
+    /// The target is not finite, or so far from the origin that single precision cannot tell the
+    /// cameras around it apart.
+    BadTarget,
 }
 
 impl fmt::Display for PoolError {
@@ -92,7 +95,7 @@ impl fmt::Display for PoolError {
         match self {
             Self::Empty => f.write_str("a candidate pool needs at least one view"),
             Self::BadRadius { radius_m } => {
-                write!(f, "the camera's distance must be positive and finite, not {radius_m} m")
+                write!(f, "the camera's distance must lie between 1e-6 and 1e6 m, not {radius_m}")
             }
             Self::BadElevations { min_rad, max_rad } => write!(
                 f,
@@ -103,7 +106,10 @@ impl fmt::Display for PoolError {
             Self::BadRings { rings, count } => {
                 write!(f, "{count} views cannot be dealt to {rings} rings: give 1 to {count} rings")
             }
-            Self::NotFinite => f.write_str("turns and target must be finite numbers"),
+            Self::BadTurns => f.write_str("the spiral's turns must lie between -1e4 and 1e4"),
+            Self::BadTarget => f.write_str(
+                "the views' target must lie within a thousand radii of the world's origin",
+            ),
         }
     }
 }
@@ -125,7 +131,7 @@ impl Pool {
         if count == 0 {
             return Err(PoolError::Empty);
         }
-        if !(radius_m > 0.0 && radius_m.is_finite()) {
+        if !(1e-6..=1e6).contains(&radius_m) {
             return Err(PoolError::BadRadius { radius_m });
         }
         if let Some((min_rad, max_rad)) = space.elevations()
@@ -137,17 +143,19 @@ impl Pool {
             ViewSpace::Rings { rings, .. } if rings == 0 || rings > count => {
                 return Err(PoolError::BadRings { rings, count });
             }
-            ViewSpace::Spiral { turns, .. } if !turns.is_finite() => {
-                return Err(PoolError::NotFinite);
+            ViewSpace::Spiral { turns, .. } if !(-1e4..=1e4).contains(&turns) => {
+                return Err(PoolError::BadTurns);
             }
             _ => {}
         }
         Ok(Self { space, count, radius_m, target: Vec3::ZERO })
     }
 
-    /// The same views around another point of the world, metres.
+    /// The same views around another point of the world, metres, within a thousand radii of the
+    /// origin.
     pub fn with_target(self, target: Vec3) -> Result<Self, PoolError> {
-        if target.is_finite() { Ok(Self { target, ..self }) } else { Err(PoolError::NotFinite) }
+        let near = target.is_finite() && target.abs().max_element() <= 1e3 * self.radius_m;
+        if near { Ok(Self { target, ..self }) } else { Err(PoolError::BadTarget) }
     }
 
     /// How many views the pool has; never 0.
@@ -406,6 +414,17 @@ mod tests {
         let sphere = ViewSpace::FibonacciSphere;
         assert_eq!(Pool::try_new(sphere, 0, 1.0), Err(PoolError::Empty));
         assert!(matches!(Pool::try_new(sphere, 1, f32::NAN), Err(PoolError::BadRadius { .. })));
+        for radius in [1e-13, 1e30] {
+            assert!(matches!(Pool::try_new(sphere, 1, radius), Err(PoolError::BadRadius { .. })));
+        }
+        let pool = Pool::try_new(sphere, 10, 0.4).unwrap();
+        assert_eq!(pool.with_target(Vec3::splat(1e7)), Err(PoolError::BadTarget));
+        assert_eq!(pool.with_target(Vec3::NAN), Err(PoolError::BadTarget));
+        for radius in [1e-6, 1e6] {
+            let pool = Pool::try_new(sphere, 10, radius).unwrap();
+            let pool = pool.with_target(Vec3::splat(1e3 * radius)).unwrap();
+            assert_eq!(pool.iter().count(), pool.len());
+        }
         let upside_down = ViewSpace::Hemisphere { min_elevation_rad: 1.0, max_elevation_rad: 0.0 };
         assert!(matches!(Pool::try_new(upside_down, 4, 1.0), Err(PoolError::BadElevations { .. })));
         let rings = ViewSpace::Rings { rings: 5, min_elevation_rad: 0.0, max_elevation_rad: 0.0 };

@@ -13,7 +13,9 @@ use anyhow::{Context, Result};
 use image::{Rgba, RgbaImage};
 use vantage_core::{Camera, Objective, Pose, Scores, Vec3};
 use vantage_lab::export::{self, Capture, Photo, Point, Profile, Staging};
-use vantage_lab::record::{Curve, Normalise, PlanRecord, Seconds, ViewRecord, matrix_of};
+use vantage_lab::record::{
+    Curve, Normalise, PlanRecord, PoolRecord, Scoring, Seconds, ViewRecord, matrix_of,
+};
 use vantage_lab::report::Report;
 
 const RADIUS: f32 = 0.8;
@@ -74,8 +76,13 @@ fn write_report(folder: &std::path::Path, capture: &Capture) -> Result<()> {
         scheme: "made up".to_owned(),
         budget: count,
         seed: 7,
-        pool_seed: 0,
+        pool_seed: Some(0),
         candidates: 256,
+        pool: PoolRecord { space: "sphere".to_owned(), file: None, elevations: None, rings: None },
+        scoring: Scoring { reading: "default".to_owned(), resolution: 256, object_seed: 0 },
+        start: None,
+        movement_cost: 0.0,
+        stop: None,
         normalise: Normalise {
             world_from_object: matrix_of(&Pose::looking_at(Vec3::X, Vec3::ZERO)?),
         },

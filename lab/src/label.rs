@@ -113,19 +113,18 @@ pub fn label(image: &FaceImage, rgba: &[u8], face_count: usize, form: Form) -> L
     Label { words, textured, textured_background, pixels }
 }
 
-/// What T's sum tends to as every face is seen often: see
+/// The most that T's sum over views of `labels` can come to: see
 /// [`Surface::try_new`](vantage_core::objectives::Surface::try_new).
 pub fn texture_limit(labels: &[Label], face_count: usize, reading: &Reading) -> f32 {
-    let mut sums = vec![(0.0f64, 0u32); face_count];
+    let mut most = vec![0.0f64; face_count];
     for label in labels.iter().filter(|label| label.pixels > 0) {
         let channels = 2.0 * f64::from(label.pixels);
         for (face, &textured) in FaceSet::new(&label.words).iter().zip(&label.textured) {
-            sums[face].0 += f64::from(textured) / channels;
-            sums[face].1 += 1;
+            most[face] = most[face].max(f64::from(textured) / channels);
         }
     }
-    let mean: f64 = sums.iter().map(|&(sum, views)| sum / f64::from(views.max(1))).sum();
-    (mean / (1.0 - f64::from(reading.texture_discount))) as f32
+    // Seen m times a face adds at most 1 + d + … + d^(m-1) < 1 / (1 - d) times its best.
+    (most.iter().sum::<f64>() / (1.0 - f64::from(reading.texture_discount))) as f32
 }
 
 #[cfg(test)]

@@ -8,6 +8,8 @@ use serde_json::Value;
 use vantage_core::Pose;
 use vantage_core::candidates::{Pool, ViewSpace};
 
+use crate::record::PoolRecord;
+
 /// Distance of the cameras from the object's centre, in radii of its bounding sphere. With
 /// [`FOV_X_RAD`] the sphere just fits the picture, and readers of NeRF's synthetic scenes, who take
 /// 2 to 6 as near and far, see all of it.
@@ -16,17 +18,20 @@ pub const DISTANCE: f32 = 3.0;
 /// Horizontal field of view: that of NeRF's synthetic scenes (Mildenhall et al., 2020).
 pub const FOV_X_RAD: f32 = 0.691_111_2;
 
+/// More candidates than this would take hours to render.
+const MOST_CANDIDATES: usize = 65_536;
+
 /// The candidate pool. It depends on these alone, so that schemes choose from the same views.
 #[derive(Args, Clone, Debug)]
 pub struct PoolArgs {
     /// Number of candidate views
-    #[arg(long, default_value_t = 100, value_name = "N")]
+    #[arg(long, default_value_t = 100, value_name = "N", conflicts_with = "pool")]
     pub candidates: usize,
     /// Seed of the candidate pool
-    #[arg(long, default_value_t = 0, value_name = "K")]
+    #[arg(long, default_value_t = 0, value_name = "K", conflicts_with = "pool")]
     pub pool_seed: u64,
     /// Where candidate views may stand
-    #[arg(long, value_enum, default_value_t = Space::Sphere)]
+    #[arg(long, value_enum, default_value_t = Space::Sphere, conflicts_with = "pool")]
     pub space: Space,
     /// Lowest elevation in degrees, for all spaces but `sphere` and `fibonacci`
     #[arg(long, default_value_t = 5.0, value_name = "DEGREES", allow_hyphen_values = true)]
@@ -65,10 +70,41 @@ impl PoolArgs {
             Some(path) => {
                 read(path).with_context(|| format!("cannot use the pool {}", path.display()))
             }
+            None if self.candidates > MOST_CANDIDATES => bail!(
+                "{} candidates are too many to render: give --candidates up to {MOST_CANDIDATES}",
+                self.candidates
+            ),
             None => {
                 Ok(Pool::try_new(self.view_space(), self.candidates, DISTANCE)?.iter().collect())
             }
         }
+    }
+
+    /// What the record says of the pool.
+    pub fn record(&self) -> PoolRecord {
+        let space =
+            self.space.to_possible_value().map_or(String::new(), |v| v.get_name().to_owned());
+        let between = matches!(self.space, Space::Hemisphere | Space::Rings | Space::Spiral);
+        let wound = matches!(self.space, Space::Rings | Space::Spiral);
+        match &self.pool {
+            Some(file) => PoolRecord {
+                space: "file".to_owned(),
+                file: Some(file.to_string_lossy().into_owned()),
+                elevations: None,
+                rings: None,
+            },
+            None => PoolRecord {
+                space,
+                file: None,
+                elevations: between.then_some([self.min_elevation, self.max_elevation]),
+                rings: wound.then_some(self.rings),
+            },
+        }
+    }
+
+    /// The seed, where there is one.
+    pub fn seed(&self) -> Option<u64> {
+        self.pool.is_none().then_some(self.pool_seed)
     }
 
     fn view_space(&self) -> ViewSpace {

@@ -19,10 +19,20 @@ pub struct PlanRecord {
     pub budget: usize,
     /// Seed of the planner's own chance.
     pub seed: u64,
-    /// Seed of the candidate pool.
-    pub pool_seed: u64,
+    /// Seed of the candidate pool; null where the pool came from a file.
+    pub pool_seed: Option<u64>,
     /// Size of the candidate pool.
     pub candidates: usize,
+    /// Where the candidates stand.
+    pub pool: PoolRecord,
+    /// How the scores were computed.
+    pub scoring: Scoring,
+    /// How the first views were chosen where it was said: `fps` or `pseudo-coverage`; else null.
+    pub start: Option<String>,
+    /// Share of a view's gain that half a turn of the camera cost it.
+    pub movement_cost: f32,
+    /// The gain below which six choices in a row ended the plan; null for no such rule.
+    pub stop: Option<f32>,
     /// How the object was brought into the unit sphere.
     pub normalise: Normalise,
     /// The chosen views, in the order of choice.
@@ -42,6 +52,30 @@ pub struct PlanRecord {
 pub struct Normalise {
     /// `world_from_object`, shape (4, 4).
     pub world_from_object: Matrix4,
+}
+
+/// Where the candidates stand.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct PoolRecord {
+    /// `sphere`, `fibonacci`, `hemisphere`, `rings`, `spiral`, or `file`.
+    pub space: String,
+    /// The file, if they were read from one.
+    pub file: Option<String>,
+    /// Lowest and highest elevation in degrees, for hemisphere, rings and spiral; else null.
+    pub elevations: Option<[f32; 2]>,
+    /// Number of rings, or of the spiral's turns; else null.
+    pub rings: Option<usize>,
+}
+
+/// How scores were computed: without it a score means nothing.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Scoring {
+    /// `default` or `literal`: see [`Form`](vantage_core::objectives::Form).
+    pub reading: String,
+    /// Side of the face-id images in pixels.
+    pub resolution: u32,
+    /// Seed of built-in objects; files have none.
+    pub object_seed: u64,
 }
 
 /// One chosen view.
@@ -81,6 +115,78 @@ pub struct Seconds {
 pub fn matrix_of(pose: &Pose) -> Matrix4 {
     let [a, b, c] = pose.rows().map(|row| row.map(f64::from));
     [a, b, c, [0.0, 0.0, 0.0, 1.0]]
+}
+
+/// A comparison: `compare --json`.
+#[derive(Clone, Debug, Serialize)]
+pub struct ComparisonRecord {
+    /// Every run, cut at every budget.
+    pub rows: Vec<ComparisonRow>,
+    /// Mean and spread over objects and seeds, by budget and scheme.
+    pub summary: Vec<SummaryRow>,
+    /// Seed of the candidate pool; null where the pool came from a file.
+    pub pool_seed: Option<u64>,
+    /// Where the candidates stand.
+    pub pool: PoolRecord,
+    /// How the scores were computed.
+    pub scoring: Scoring,
+}
+
+/// One scheme on one object, with one seed, cut at one budget.
+#[derive(Clone, Debug, Serialize)]
+pub struct ComparisonRow {
+    /// The object's name.
+    pub object: String,
+    /// The scheme.
+    pub scheme: String,
+    /// Views taken.
+    pub budget: usize,
+    /// Seed of the planner's own chance.
+    pub seed: u64,
+    /// `coverage`, `geometry`, `diversity` and `texture`, exact, before smoothing.
+    #[serde(flatten)]
+    pub scores: Scores,
+    /// Indices into the candidate pool, in the order of choice.
+    pub views: Vec<usize>,
+    /// Seconds of planning until the last of them.
+    pub seconds: f64,
+}
+
+/// One scheme at one budget, over all objects and seeds.
+#[derive(Clone, Debug, Serialize)]
+pub struct SummaryRow {
+    /// The scheme.
+    pub scheme: String,
+    /// Views taken.
+    pub budget: usize,
+    /// Objects times seeds.
+    pub runs: usize,
+    /// C.
+    pub coverage: Spread,
+    /// Q.
+    pub geometry: Spread,
+    /// D.
+    pub diversity: Spread,
+    /// T.
+    pub texture: Spread,
+    /// Mean seconds of planning.
+    pub seconds: f64,
+}
+
+/// Mean and spread of one objective.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Spread {
+    /// Mean over the runs.
+    pub mean: f64,
+    /// Standard deviation over the runs.
+    pub sd: f64,
+    /// Mean of the score divided by the exact oracle's: the plan that is greedy on this objective
+    /// alone, with exact scores, after the same three first views by farthest points, on the same
+    /// object and with the same seed. It looks one view ahead, so a scheme with other first views
+    /// can exceed 1. Null up to three views, where the oracle has not chosen yet.
+    pub relative_mean: Option<f64>,
+    /// Standard deviation of the same.
+    pub relative_sd: Option<f64>,
 }
 
 /// The scores of a growing set of views, for plots: entry `n` holds the scores after `n` views.

@@ -46,13 +46,9 @@ pub fn test(workspace: &Workspace) -> Result<Outcome> {
     };
     let mut environments = Vec::new();
     for reader in READERS {
-        match install(workspace, &python, reader) {
-            Ok(environment) => environments.push(environment),
-            Err(error) => {
-                let reason = format!("{} could not be installed: {error:#}", reader.name);
-                return Ok(Outcome::Skipped(reason));
-            }
-        }
+        let environment = install(workspace, &python, reader)
+            .with_context(|| format!("{} could not be installed", reader.name))?;
+        environments.push(environment);
     }
     let folders = write_folders(workspace)?;
     for (reader, environment) in READERS.iter().zip(environments) {

@@ -74,7 +74,10 @@ fn attempt(workspace: &Workspace, tools: &Tools, step: &Step, quick: bool) -> Ou
         return Outcome::Skipped("--quick".into());
     }
     if let Some(need) = tools.first_missing(step.needs) {
-        return Outcome::Skipped(format!("{} is missing", need.name()));
+        // A developer may lack a tool; what runs unattended may not.
+        let reason = format!("{} is missing", need.name());
+        let unattended = std::env::var_os("CI").is_some();
+        return if unattended { Outcome::Failed(reason) } else { Outcome::Skipped(reason) };
     }
     (step.run)(workspace).unwrap_or_else(|error| Outcome::Failed(format!("{error:#}")))
 }
@@ -158,7 +161,7 @@ mod tests {
     fn a_name_selects_what_begins_with_it() {
         let arguments = ["same-plan".to_owned()];
         let selected = select(&parse(&arguments).unwrap()).unwrap();
-        assert_eq!(selected.len(), 3);
+        assert!(selected.len() > 1 && selected.iter().all(|s| s.name.starts_with("same-plan")));
         let full = ["cli".to_owned()];
         assert_eq!(select(&parse(&full).unwrap()).unwrap().len(), 1, "not clippy too");
         assert_eq!(select(&Request::default()).unwrap().len(), STEPS.len());

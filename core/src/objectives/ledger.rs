@@ -30,6 +30,8 @@ pub struct FaceAccount {
     rays: Rays,
 }
 
+const _: () = assert!(size_of::<FaceAccount>() == 48, "the docs of `try_new` state the size");
+
 /// The four objectives over one surface, as views are added.
 #[derive(Debug)]
 pub struct Ledger<'a> {
@@ -70,7 +72,7 @@ impl core::fmt::Display for LedgerError {
 impl core::error::Error for LedgerError {}
 
 impl<'a> Ledger<'a> {
-    /// An empty account over a surface, in the caller's memory (44 bytes a face).
+    /// An empty account over a surface, in the caller's memory (48 bytes a face).
     pub fn try_new(
         surface: Surface<'a>,
         reading: Reading,

@@ -59,8 +59,8 @@ pub struct Scores {
     pub geometry: f32,
     /// D: mean spread of the directions from which the surface is seen, in [0, 1].
     pub diversity: f32,
-    /// T: share of the surface's textural complexity seen often; about 1 for all of it. It may pass
-    /// 1, by a tenth or so, where each part happens to be seen first from its best side.
+    /// T: share of the surface's textural complexity seen often, in [0, 1] over candidate views; 1
+    /// would be every part seen again and again, each time from where it fills most of a picture.
     pub texture: f32,
 }
 

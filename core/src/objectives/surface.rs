@@ -55,10 +55,10 @@ impl core::error::Error for SurfaceError {}
 impl<'a> Surface<'a> {
     /// Checks the faces and sums their totals.
     ///
-    /// `texture_total` is what T's sum tends to as every face is seen often: over the faces, the
-    /// sum of the mean share of a picture's pixels that are textured and on the face (over the
-    /// candidates that see it), divided by `1 - d_T`. Anything not positive means that the object
-    /// has no texture, and T is 0 throughout.
+    /// `texture_total` is the most that T's sum can come to: over the faces, the sum of the largest
+    /// share of a picture's pixels that are textured and on the face (over the candidates), divided
+    /// by `1 - d_T`. Anything not positive means that the object has no texture, and T is 0
+    /// throughout.
     pub fn try_new(faces: &'a [Face], texture_total: f32) -> Result<Self, SurfaceError> {
         if faces.is_empty() {
             return Err(SurfaceError::Empty);

@@ -159,9 +159,9 @@ pub(super) fn by_chance(candidates: &[Candidate], seed: u64, draw: u64) -> Optio
     rest.nth(place as usize).map(|(index, _)| Choice { index, gain: 0.0 })
 }
 
-/// The extreme candidate along the axis of a starting step: +x, +y, +z, then -x, -y, -z.
+/// The extreme candidate along the axis of a starting step: +x, +y, +z.
 fn by_axis(candidates: &[Candidate], step: usize, centre: Vec3) -> Option<Choice> {
-    let axis = *[Vec3::X, Vec3::Y, Vec3::Z, Vec3::NEG_X, Vec3::NEG_Y, Vec3::NEG_Z].get(step)?;
+    let axis = *[Vec3::X, Vec3::Y, Vec3::Z].get(step)?;
     let (index, gain) = best(candidates, |_, c| (c.pose().position() - centre).dot(axis))?;
     Some(Choice { index, gain })
 }

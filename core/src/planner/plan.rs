@@ -48,7 +48,7 @@ pub enum Phase {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Start {
-    /// The paper's pseudo-coverage: the extreme candidate along +x, +y, +z, then -x, -y, -z.
+    /// The paper's pseudo-coverage: the extreme candidate along +x, +y, +z.
     PseudoCoverage,
     /// One by chance, then the farthest from those taken.
     FarthestPoint,

@@ -61,7 +61,7 @@ pub struct NextView {
 /// Why a view was chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reason {
-    /// One of the first views, on the outside of the space of views.
+    /// One of the first views.
     Start,
     /// By chance.
     Chance,
@@ -81,7 +81,7 @@ impl fmt::Display for Reason {
             Self::Farthest => "farthest yet",
             Self::Objective(Objective::Coverage) => "most new surface expected",
             Self::Objective(Objective::Geometry) => "most fine shape left to see",
-            Self::Objective(Objective::Diversity) => "the side seen from one angle only",
+            Self::Objective(Objective::Diversity) => "most new viewing directions",
             Self::Objective(Objective::Texture) => "most surface detail left to see",
             Self::AllObjectives => "most gain over all four objectives",
         })

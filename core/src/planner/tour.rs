@@ -2,7 +2,7 @@
 //!
 //! The length of a move is the great-circle angle between two directions from the centre, radians.
 //! Nearest neighbour first, then 2-opt (turn a stretch around) and Or-opt (move a stretch of up to
-//! three elsewhere) until neither helps. For the few dozen views of a capture the result is within
+//! three further on) until neither helps. For the few dozen views of a capture the result is within
 //! a few per cent of the optimum; see the tests.
 
 use glam::Vec3;
@@ -117,7 +117,7 @@ impl<P: Fn(usize) -> Vec3> Tour<P> {
         better
     }
 
-    /// Moves a stretch of one to three places elsewhere wherever that is shorter; whether it was.
+    /// Moves a stretch of one to three places further on wherever that is shorter; whether it was.
     fn or_opt(&self, order: &mut [usize]) -> bool {
         let mut better = false;
         for size in 1..=3usize {
@@ -140,8 +140,6 @@ impl<P: Fn(usize) -> Vec3> Tour<P> {
                         break;
                     }
                 }
-                // Earlier is the same move seen from the places in between; 2-opt and later rounds
-                // reach it for stretches of up to three.
             }
         }
         better

@@ -4,14 +4,15 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
-use serde::Serialize;
-use vantage_core::objectives::Reading;
-use vantage_core::{Camera, Objective, Scores};
+use indicatif::ProgressBar;
+use vantage_core::planner::Plan;
+use vantage_core::{Camera, Objective, Pose, Scores};
 
+use super::ScoreArgs;
 use crate::exact::{Labelled, Step};
-use crate::label::RESOLUTION;
 use crate::object::Object;
-use crate::pool::{FOV_X_RAD, PoolArgs};
+use crate::pool::PoolArgs;
+use crate::record::{ComparisonRecord, ComparisonRow, Spread, SummaryRow};
 use crate::scheme;
 
 /// Options of `compare`.
@@ -31,62 +32,17 @@ pub struct CompareArgs {
     pub seeds: u64,
     #[command(flatten)]
     pub pool: PoolArgs,
-    /// Seed of built-in objects
-    #[arg(long, default_value_t = 0, value_name = "K")]
-    pub object_seed: u64,
-    /// Compute the paper's equations to the letter
-    #[arg(long)]
-    pub literal: bool,
+    #[command(flatten)]
+    pub score: ScoreArgs,
     /// Print rows and summary as JSON
     #[arg(long)]
     pub json: bool,
 }
 
-/// One scheme on one object, with one seed, cut at one budget.
-#[derive(Clone, Debug, Serialize)]
-pub struct Row {
-    object: String,
-    scheme: String,
-    budget: usize,
-    seed: u64,
-    #[serde(flatten)]
-    scores: Scores,
-    views: Vec<usize>,
-    seconds: f64,
-    #[serde(skip)]
-    relative: Scores, // to the exact oracle of each objective, on the same object and seed
-}
-
-/// Mean and spread over all objects and seeds.
-#[derive(Clone, Copy, Debug, Serialize)]
-struct Spread {
-    mean: f64,
-    /// Standard deviation over the runs.
-    sd: f64,
-    /// Mean of the score divided by that of the plan that is greedy on this objective alone, with
-    /// exact scores, on the same object and with the same seed. The oracle looks one view ahead,
-    /// so a scheme can exceed 1.
-    relative_mean: f64,
-    /// Standard deviation of the same.
-    relative_sd: f64,
-}
-
-#[derive(Clone, Debug, Serialize)]
-struct SummaryRow {
-    scheme: String,
-    budget: usize,
-    runs: usize,
-    coverage: Spread,
-    geometry: Spread,
-    diversity: Spread,
-    texture: Spread,
-    seconds: f64,
-}
-
-#[derive(Serialize)]
-struct Comparison<'a> {
-    rows: &'a [Row],
-    summary: &'a [SummaryRow],
+/// A row, and its scores relative to the exact oracle of each objective.
+struct Run {
+    row: ComparisonRow,
+    relative: Option<Scores>, // none where the oracle has not chosen yet
 }
 
 /// Runs the comparison and prints it.
@@ -109,29 +65,37 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     }
     scheme::plan("e", most, 0).context("the ensemble")?.check(poses.len())?;
 
-    let mut rows = Vec::new();
+    let camera = args.score.camera()?;
+
+    let mut runs = Vec::new();
     let mut failed = 0;
-    let bar = super::progress("comparing", objects.len());
-    for name in &objects {
-        match compare_object(name, &poses, most, args) {
-            Ok(found) => rows.extend(found),
+    let bar = super::progress("comparing", objects.len() * poses.len());
+    for (number, name) in objects.iter().enumerate() {
+        match compare_object(name, &poses, &camera, most, args, &bar) {
+            Ok(found) => runs.extend(found),
             Err(error) => {
                 bar.suspend(|| eprintln!("error: {name} is left out: {error:#}"));
                 failed += 1;
             }
         }
-        bar.inc(1);
+        bar.set_position(((number + 1) * poses.len()) as u64);
     }
     bar.finish_and_clear();
     if failed == objects.len() {
         bail!("none of the objects could be compared");
     }
-    let summary = summarise(&rows, args);
+    let summary = summarise(&runs, args);
     if args.json {
-        let comparison = Comparison { rows: &rows, summary: &summary };
-        println!("{}", serde_json::to_string(&comparison)?);
+        let comparison = ComparisonRecord {
+            rows: runs.into_iter().map(|run| run.row).collect(),
+            summary,
+            pool_seed: args.pool.seed(),
+            pool: args.pool.record(),
+            scoring: args.score.scoring(),
+        };
+        super::print(&format!("{}\n", serde_json::to_string(&comparison)?))?;
     } else {
-        print_table(&summary, objects.len() - failed, args.seeds);
+        super::print(&table(&summary, objects.len() - failed, args.seeds))?;
     }
     if failed > 0 {
         bail!("{failed} of {} objects were left out", objects.len());
@@ -170,19 +134,18 @@ fn is_mesh(path: &Path) -> bool {
 
 fn compare_object(
     name: &str,
-    poses: &[vantage_core::Pose],
+    poses: &[Pose],
+    camera: &Camera,
     most: usize,
     args: &CompareArgs,
-) -> Result<Vec<Row>> {
-    let object = Object::open(Some(name), args.object_seed)?;
-    super::warn(&object.warnings);
-    let camera = Camera::from_fov(RESOLUTION, RESOLUTION, FOV_X_RAD)?;
-    let reading = if args.literal { Reading::literal() } else { Reading::default() };
-    let bar = super::progress("labelling", poses.len());
-    let labelled = Labelled::new(&object.mesh, &camera, poses.to_vec(), reading, || bar.inc(1));
-    bar.finish_and_clear();
+    bar: &ProgressBar,
+) -> Result<Vec<Run>> {
+    let object = Object::open(Some(name), args.score.object_seed)?;
+    super::warn(&object, Some(bar));
+    let reading = args.score.reading();
+    let labelled = Labelled::new(&object.mesh, camera, poses.to_vec(), reading, || bar.inc(1));
 
-    let mut rows = Vec::new();
+    let mut runs = Vec::new();
     for seed in 0..args.seeds {
         let steps_of = |name: &str| -> Result<Vec<Step>> {
             let plan = scheme::plan(name, most, seed).with_context(|| scheme::unknown(name))?;
@@ -190,15 +153,15 @@ fn compare_object(
         };
         let oracles = [steps_of("c")?, steps_of("q")?, steps_of("d")?, steps_of("t")?];
         for scheme in &args.schemes {
-            // A greedy plan of a smaller budget is the beginning of one of a larger.
             let own = Objective::ALL.iter().position(|&o| scheme::oracle(o) == scheme);
             let steps = match own {
                 Some(place) => oracles[place].clone(),
                 None => steps_of(scheme)?,
             };
+            // A greedy plan of a smaller budget is the beginning of one of a larger.
             for &budget in &args.budgets {
                 let Some(step) = steps.get(budget - 1) else { continue };
-                rows.push(Row {
+                let row = ComparisonRow {
                     object: object.name.clone(),
                     scheme: scheme.clone(),
                     budget,
@@ -206,12 +169,14 @@ fn compare_object(
                     scores: step.scores,
                     views: steps[..budget].iter().map(|step| step.next.index).collect(),
                     seconds: step.seconds,
-                    relative: relative(&step.scores, &oracles, budget),
-                });
+                };
+                let relative =
+                    (budget > Plan::START_VIEWS).then(|| relative(&step.scores, &oracles, budget));
+                runs.push(Run { row, relative });
             }
         }
     }
-    Ok(rows)
+    Ok(runs)
 }
 
 fn relative(scores: &Scores, oracles: &[Vec<Step>; 4], budget: usize) -> Scores {
@@ -223,27 +188,38 @@ fn relative(scores: &Scores, oracles: &[Vec<Step>; 4], budget: usize) -> Scores 
     Scores { coverage, geometry, diversity, texture }
 }
 
-fn summarise(rows: &[Row], args: &CompareArgs) -> Vec<SummaryRow> {
+fn summarise(runs: &[Run], args: &CompareArgs) -> Vec<SummaryRow> {
     let mut summary = Vec::new();
     for &budget in &args.budgets {
         for scheme in &args.schemes {
-            let runs: Vec<&Row> =
-                rows.iter().filter(|row| row.scheme == *scheme && row.budget == budget).collect();
+            let chosen: Vec<&Run> = runs
+                .iter()
+                .filter(|run| run.row.scheme == *scheme && run.row.budget == budget)
+                .collect();
             let spread = |objective: Objective| {
-                let (mean, sd) = mean_and_sd(runs.iter().map(|row| row.scores.get(objective)));
-                let (relative_mean, relative_sd) =
-                    mean_and_sd(runs.iter().map(|row| row.relative.get(objective)));
-                Spread { mean, sd, relative_mean, relative_sd }
+                let scores: Vec<f32> =
+                    chosen.iter().map(|run| run.row.scores.get(objective)).collect();
+                let relative: Option<Vec<f32>> =
+                    chosen.iter().map(|run| Some(run.relative?.get(objective))).collect();
+                let (mean, sd) = mean_and_sd(&scores);
+                let relative = relative.map(|relative| mean_and_sd(&relative));
+                Spread {
+                    mean,
+                    sd,
+                    relative_mean: relative.map(|(mean, _)| mean),
+                    relative_sd: relative.map(|(_, sd)| sd),
+                }
             };
+            let seconds: Vec<f32> = chosen.iter().map(|run| run.row.seconds as f32).collect();
             summary.push(SummaryRow {
                 scheme: scheme.clone(),
                 budget,
-                runs: runs.len(),
+                runs: chosen.len(),
                 coverage: spread(Objective::Coverage),
                 geometry: spread(Objective::Geometry),
                 diversity: spread(Objective::Diversity),
                 texture: spread(Objective::Texture),
-                seconds: mean_and_sd(runs.iter().map(|row| row.seconds as f32)).0,
+                seconds: mean_and_sd(&seconds).0,
             });
         }
     }
@@ -251,31 +227,33 @@ fn summarise(rows: &[Row], args: &CompareArgs) -> Vec<SummaryRow> {
 }
 
 /// Mean and standard deviation (n - 1); the latter is 0 for a single value.
-fn mean_and_sd(values: impl Iterator<Item = f32> + Clone) -> (f64, f64) {
-    let count = values.clone().count().max(1) as f64;
-    let mean = values.clone().map(f64::from).sum::<f64>() / count;
-    let squares: f64 = values.map(|value| (f64::from(value) - mean).powi(2)).sum();
+fn mean_and_sd(values: &[f32]) -> (f64, f64) {
+    let count = values.len().max(1) as f64;
+    let mean = values.iter().map(|&value| f64::from(value)).sum::<f64>() / count;
+    let squares: f64 = values.iter().map(|&value| (f64::from(value) - mean).powi(2)).sum();
     (mean, (squares / (count - 1.0).max(1.0)).sqrt())
 }
 
-fn print_table(summary: &[SummaryRow], objects: usize, seeds: u64) {
-    println!(
-        "{objects} objects, {seeds} seeds: mean ± sd, and the share of the exact oracle's score"
+fn table(summary: &[SummaryRow], objects: usize, seeds: u64) -> String {
+    let mut text = format!(
+        "objects: {objects}, seeds: {seeds}. Mean ± sd over both, and the share of the exact \
+         oracle's score:\nthe plan that is greedy on that objective alone after the same three \
+         first views by farthest points.\n\n"
     );
-    println!(
-        "{:>6}  {:<10} {:>20} {:>20} {:>20} {:>20} {:>9}",
+    text += &format!(
+        "{:>6}  {:<10} {:>21} {:>21} {:>21} {:>21} {:>9}\n",
         "budget", "scheme", "coverage", "geometry", "diversity", "texture", "seconds"
     );
-    let mut last = 0;
-    for row in summary {
-        if last != row.budget && last != 0 {
-            println!();
+    for (place, row) in summary.iter().enumerate() {
+        if place > 0 && summary[place - 1].budget != row.budget {
+            text.push('\n');
         }
-        last = row.budget;
-        let cell =
-            |s: &Spread| format!("{:.3} ± {:.3} {:>5.1} %", s.mean, s.sd, 100.0 * s.relative_mean);
-        println!(
-            "{:>6}  {:<10} {:>20} {:>20} {:>20} {:>20} {:>9.3}",
+        let cell = |s: &Spread| {
+            let share = s.relative_mean.map_or("–".to_owned(), |r| format!("{:.1} %", 100.0 * r));
+            format!("{:.3} ± {:.3} {share:>7}", s.mean, s.sd)
+        };
+        text += &format!(
+            "{:>6}  {:<10} {:>21} {:>21} {:>21} {:>21} {:>9.3}\n",
             row.budget,
             row.scheme,
             cell(&row.coverage),
@@ -285,6 +263,7 @@ fn print_table(summary: &[SummaryRow], objects: usize, seeds: u64) {
             row.seconds
         );
     }
+    text
 }
 
 #[cfg(test)]
@@ -293,7 +272,7 @@ mod tests {
 
     #[test]
     fn mean_and_spread_of_known_values() {
-        assert_eq!(mean_and_sd([1.0, 2.0, 3.0].into_iter()), (2.0, 1.0));
-        assert_eq!(mean_and_sd([4.0].into_iter()), (4.0, 0.0));
+        assert_eq!(mean_and_sd(&[1.0, 2.0, 3.0]), (2.0, 1.0));
+        assert_eq!(mean_and_sd(&[4.0]), (4.0, 0.0));
     }
 }

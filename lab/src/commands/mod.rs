@@ -3,9 +3,19 @@
 pub mod compare;
 pub mod plan;
 
+use std::io::{ErrorKind, Write};
 use std::time::Duration;
 
+use anyhow::{Context, Result, bail};
+use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
+use vantage_core::Camera;
+use vantage_core::objectives::Reading;
+
+use crate::label::RESOLUTION;
+use crate::object::Object;
+use crate::pool::FOV_X_RAD;
+use crate::record::Scoring;
 
 /// A bar on the error stream, with the time left; invisible where that is no terminal.
 fn progress(what: &'static str, steps: usize) -> ProgressBar {
@@ -16,8 +26,63 @@ fn progress(what: &'static str, steps: usize) -> ProgressBar {
     bar
 }
 
-fn warn(warnings: &[String]) {
-    for warning in warnings {
-        eprintln!("warning: {warning}");
+/// How views are scored.
+#[derive(Args, Clone, Copy, Debug)]
+pub struct ScoreArgs {
+    /// Compute the paper's equations to the letter
+    #[arg(long)]
+    pub literal: bool,
+    /// Side of the face-id images in pixels: what is smaller is not seen
+    #[arg(long, default_value_t = RESOLUTION, value_name = "PIXELS")]
+    pub resolution: u32,
+    /// Seed of a built-in object
+    #[arg(long, default_value_t = 0, value_name = "K")]
+    pub object_seed: u64,
+}
+
+impl ScoreArgs {
+    fn reading(&self) -> Reading {
+        if self.literal { Reading::literal() } else { Reading::default() }
+    }
+
+    fn camera(&self) -> Result<Camera> {
+        let side = checked_size(self.resolution, "--resolution")?;
+        Ok(Camera::from_fov(side, side, FOV_X_RAD)?)
+    }
+
+    fn scoring(&self) -> Scoring {
+        let reading = if self.literal { "literal" } else { "default" };
+        Scoring {
+            reading: reading.to_owned(),
+            resolution: self.resolution,
+            object_seed: self.object_seed,
+        }
+    }
+}
+
+/// A side of a picture that can be rendered.
+fn checked_size(side: u32, option: &str) -> Result<u32> {
+    if !(1..=8192).contains(&side) {
+        bail!("pictures of {side} pixels cannot be rendered: give {option} between 1 and 8192");
+    }
+    Ok(side)
+}
+
+/// Says on the error stream what was not quite right with an object's file.
+fn warn(object: &Object, bar: Option<&ProgressBar>) {
+    for warning in &object.warnings {
+        let say = || eprintln!("warning: {}: {warning}", object.name);
+        bar.map_or_else(say, |bar| bar.suspend(say));
+    }
+}
+
+/// Prints to standard output. A reader that has gone away has what it wanted.
+fn print(text: &str) -> Result<()> {
+    let mut out = std::io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(error).context("the result cannot be printed")
+        }
+        _ => Ok(()),
     }
 }

@@ -8,13 +8,12 @@ use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
 use rayon::prelude::*;
 use vantage_core::candidates::{Pool, ViewSpace};
-use vantage_core::objectives::Reading;
 use vantage_core::planner::{Plan, Start, Stop, shortest_tour};
 use vantage_core::{Camera, Pose, Scores, Vec3};
 
+use super::ScoreArgs;
 use crate::exact::{Labelled, Step};
 use crate::export::{self, Capture, Photo, Profile, Staging};
-use crate::label::RESOLUTION;
 use crate::object::Object;
 use crate::pool::{DISTANCE, FOV_X_RAD, PoolArgs};
 use crate::record::{Curve, Normalise, PlanRecord, Seconds, ViewRecord, matrix_of};
@@ -26,12 +25,14 @@ use crate::seen_points;
 /// Options of `plan`.
 #[derive(Args, Clone, Debug)]
 pub struct PlanArgs {
-    /// A GLB, glTF or OBJ file, or the name of a built-in object; the first of these if left out
+    /// A GLB, glTF or OBJ file, or a built-in object: shelf (if left out), chair, vase, knot, blob
+    /// or ball
     pub object: Option<String>,
     /// Number of views to choose
     #[arg(long, short, default_value_t = 20, value_name = "B")]
     pub budget: usize,
-    /// How views are chosen: e, e-literal, c, q, d, t, sum, fps, pc-fps, random
+    /// How views are chosen: e (the ensemble), e-literal, c, q, d or t (one objective alone), sum,
+    /// fps (farthest-point sampling), pc-fps (the same after pseudo-coverage), random
     #[arg(long, short, default_value = "e", value_name = "S")]
     pub scheme: String,
     #[command(flatten)]
@@ -39,9 +40,6 @@ pub struct PlanArgs {
     /// Seed of what the planner leaves to chance: the first view, and the random scheme
     #[arg(long, default_value_t = 0, value_name = "K")]
     pub seed: u64,
-    /// Seed of a built-in object
-    #[arg(long, default_value_t = 0, value_name = "K")]
-    pub object_seed: u64,
     /// How the first three views are chosen, where the scheme does not say
     #[arg(long, value_enum)]
     pub start: Option<StartArg>,
@@ -51,10 +49,9 @@ pub struct PlanArgs {
     /// Stop early once six choices in a row promise less than this gain (1 is all there is)
     #[arg(long, value_name = "GAIN")]
     pub stop: Option<f32>,
-    /// Compute the paper's equations to the letter
-    #[arg(long)]
-    pub literal: bool,
-    /// Folder to write: photos, transforms.json, COLMAP model, plan.json, report.html
+    #[command(flatten)]
+    pub score: ScoreArgs,
+    /// Folder to write: photos, transforms.json, COLMAP model, plan.json, report.html; new or empty
     #[arg(long, short, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Layout of the folder
@@ -97,23 +94,21 @@ const POINTS: usize = 5_000;
 
 /// Makes the plan and writes what was asked for.
 pub fn run(args: &PlanArgs) -> Result<()> {
-    let reading = if args.literal { Reading::literal() } else { Reading::default() };
     // Whatever can be refused is refused before the long work.
     let plan = plan_of(args)?;
-    if args.size == 0 || args.size > 8192 {
-        bail!("photos of {} pixels cannot be rendered: give --size between 1 and 8192", args.size);
-    }
+    super::checked_size(args.size, "--size")?;
+    let label_camera = args.score.camera()?;
     let poses = args.pool.poses()?;
     plan.check(poses.len())?;
     let staging = args.out.as_deref().map(Staging::begin).transpose()?;
 
     let start = Instant::now();
-    let object = Object::open(args.object.as_deref(), args.object_seed)?;
-    super::warn(&object.warnings);
+    let object = Object::open(args.object.as_deref(), args.score.object_seed)?;
+    super::warn(&object, None);
     let mut seconds = Seconds { load: start.elapsed().as_secs_f64(), ..Seconds::default() };
 
     let start = Instant::now();
-    let label_camera = Camera::from_fov(RESOLUTION, RESOLUTION, FOV_X_RAD)?;
+    let reading = args.score.reading();
     let bar = super::progress("labelling", poses.len());
     let labelled = Labelled::new(&object.mesh, &label_camera, poses, reading, || bar.inc(1));
     bar.finish_and_clear();
@@ -135,17 +130,19 @@ pub fn run(args: &PlanArgs) -> Result<()> {
         eprintln!("wrote {}", folder.display());
     }
     if args.json {
-        println!("{}", serde_json::to_string(&record)?);
+        super::print(&format!("{}\n", serde_json::to_string(&record)?))
     } else {
-        print_table(&record, args.budget);
+        super::print(&table(&record, args.budget))
     }
-    Ok(())
 }
 
 fn plan_of(args: &PlanArgs) -> Result<Plan> {
     let mut plan = scheme::plan(&args.scheme, args.budget, args.seed)
         .with_context(|| scheme::unknown(&args.scheme))?
         .with_movement_cost(args.movement_cost);
+    if args.start.is_some() && matches!(args.scheme.as_str(), "e-literal" | "pc-fps" | "random") {
+        bail!("the scheme {} says itself how it starts: leave out --start", args.scheme);
+    }
     match args.start {
         Some(StartArg::Fps) => plan = plan.with_start(Start::FarthestPoint),
         Some(StartArg::PseudoCoverage) => plan = plan.with_start(Start::PseudoCoverage),
@@ -182,8 +179,13 @@ fn record_of(
         scheme: args.scheme.clone(),
         budget: args.budget,
         seed: args.seed,
-        pool_seed: args.pool.pool_seed,
+        pool_seed: args.pool.seed(),
         candidates: labelled.poses.len(),
+        pool: args.pool.record(),
+        scoring: args.score.scoring(),
+        start: args.start.and_then(|start| Some(start.to_possible_value()?.get_name().to_owned())),
+        movement_cost: args.movement_cost,
+        stop: args.stop,
         normalise: Normalise { world_from_object: object.world_from_object },
         views: steps.iter().map(view).collect(),
         tour,
@@ -306,37 +308,35 @@ fn save_json(path: &Path, record: &PlanRecord) -> Result<()> {
     fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))
 }
 
-fn print_table(record: &PlanRecord, budget: usize) {
-    println!(
-        "{}: {} of {} candidate views by {}",
+fn table(record: &PlanRecord, budget: usize) -> String {
+    let mut text = format!(
+        "{}: {} of {} candidate views by {}\n",
         record.object,
         record.views.len(),
         record.candidates,
         scheme::describe(&record.scheme)
     );
-    println!(
-        "{:>4} {:>6}  {:<10} {:>8}  {:>8} {:>8} {:>9} {:>8}  why",
+    text += &format!(
+        "{:>4} {:>6}  {:<10} {:>8}  {:>8} {:>8} {:>9} {:>8}  why\n",
         "view", "index", "objective", "gain", "coverage", "geometry", "diversity", "texture"
     );
     for (number, view) in record.views.iter().enumerate() {
         let Scores { coverage, geometry, diversity, texture } = view.scores;
         // The first views, and those by chance, expect nothing.
         let gain = if view.gain == 0.0 { "-".to_owned() } else { format!("{:.4}", view.gain) };
-        println!(
-            "{:>4} {:>6}  {:<10} {gain:>8}  {:>8.4} {:>8.4} {:>9.4} {:>8.4}  {}",
+        text += &format!(
+            "{:>4} {:>6}  {:<10} {gain:>8}  {coverage:>8.4} {geometry:>8.4} {diversity:>9.4} \
+             {texture:>8.4}  {}\n",
             number + 1,
             view.index,
             view.objective.as_deref().unwrap_or("-"),
-            coverage,
-            geometry,
-            diversity,
-            texture,
             view.reason
         );
     }
-    if record.views.len() < budget {
-        println!("good enough after {} views: further ones promise too little", record.views.len());
+    let taken = record.views.len();
+    if taken < budget {
+        text += &format!("good enough after {taken} views: further ones promise too little\n");
     }
     let Seconds { load, label, plan, write } = record.seconds;
-    println!("seconds: load {load:.2}, label {label:.2}, plan {plan:.3}, write {write:.2}");
+    text + &format!("seconds: load {load:.2}, label {label:.2}, plan {plan:.3}, write {write:.2}\n")
 }

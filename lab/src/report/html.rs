@@ -108,13 +108,20 @@ fn header(html: &mut String, report: &Report<'_>) {
         );
     }
     let seconds = &plan.seconds;
+    let pool = match (&plan.pool.file, plan.pool_seed) {
+        (Some(file), _) => file.clone(),
+        (None, Some(seed)) => format!("{} with seed {seed}", plan.pool.space),
+        (None, None) => plan.pool.space.clone(),
+    };
     let _ = write!(
         html,
-        "</ul>\n<p class=\"small\">Scores before smoothing, {source}; about 1 is the most there can \
-         be. Seed {}, pool seed {}. Seconds: {} loading, {} labelling, {} planning.</p>\n\
-         </header>\n",
+        "</ul>\n<p class=\"small\">Scores before smoothing, {source}; 1 is the most there can be. \
+         Reading {}, faces seen at {} pixels; seed {}, pool {}. Seconds: {} loading, {} labelling, \
+         {} planning.</p>\n</header>\n",
+        escape(&plan.scoring.reading),
+        plan.scoring.resolution,
         plan.seed,
-        plan.pool_seed,
+        escape(&pool),
         short(seconds.load),
         short(seconds.label),
         short(seconds.plan),

@@ -3,7 +3,7 @@
 use vantage_core::Scores;
 
 use super::*;
-use crate::record::{Normalise, Seconds, ViewRecord};
+use crate::record::{Normalise, PoolRecord, Scoring, Seconds, ViewRecord};
 
 fn scores(level: f32) -> Scores {
     Scores { coverage: level, geometry: 0.9 * level, diversity: 0.4 * level, texture: level }
@@ -25,8 +25,13 @@ fn plan(views: usize) -> PlanRecord {
         scheme: String::from("soar"),
         budget: views,
         seed: 1,
-        pool_seed: 2,
+        pool_seed: Some(2),
         candidates: 64,
+        pool: PoolRecord { space: "sphere".to_owned(), file: None, elevations: None, rings: None },
+        scoring: Scoring { reading: "default".to_owned(), resolution: 256, object_seed: 0 },
+        start: None,
+        movement_cost: 0.0,
+        stop: None,
         normalise: Normalise { world_from_object: [[0.0; 4]; 4] },
         views: (0..views).map(view).collect(),
         tour: (0..views).rev().collect(),
