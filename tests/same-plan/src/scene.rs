@@ -10,7 +10,7 @@ pub const FACES: usize = 288;
 pub const CANDIDATES: usize = 64;
 pub const SPACE: ViewSpace = ViewSpace::RandomSphere { seed: 4 };
 pub const DISTANCE_M: f32 = 3.0;
-pub const TEXTURE_LIMIT: f32 = f32::from_bits(0x4041f097);
+pub const TEXTURE_LIMIT: f32 = f32::from_bits(0x40e7bb64);
 
 pub static SURFACE: [Face; FACES] = [
     Face { centroid: Vec3::new(f32::from_bits(0x3e5a9c21), f32::from_bits(0x3bc39bf7), f32::from_bits(0xbf61c648)), normal: Vec3::new(f32::from_bits(0x3b5c68dc), f32::from_bits(0x3deac9ea), f32::from_bits(0xbf7e4f88)), area_share: f32::from_bits(0x3aee8c3b), complexity: f32::from_bits(0x3e659467) },
