@@ -37,6 +37,7 @@ mod source;
 
 pub use builtin::{BUILTIN, builtin, noisy_blob};
 pub use classes::{CLASSES, class};
+pub(crate) use kit::Chance;
 pub use load::{Format, LoadError, Loaded, from_bytes, load};
 pub use normalise::normalise;
 pub use source::Problem;
