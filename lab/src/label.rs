@@ -21,6 +21,21 @@ pub struct Label {
 }
 
 impl Label {
+    /// A label as it was stored; `textured` has an entry for each face that `words` spell.
+    pub(crate) fn from_parts(
+        words: Vec<u32>,
+        textured: Vec<u32>,
+        textured_background: u32,
+        pixels: u32,
+    ) -> Self {
+        Self { words, textured, textured_background, pixels }
+    }
+
+    /// The faces seen: bit `i % 32` of word `i / 32`.
+    pub(crate) fn words(&self) -> &[u32] {
+        &self.words
+    }
+
     /// The label as the objectives take it.
     pub fn sighting(&self) -> Sighting<'_> {
         Sighting {

@@ -1,6 +1,7 @@
 //! Host tools of Vantage: meshes, rendering, exact scores, plans and exports.
 
 pub mod commands;
+pub mod dataset;
 pub mod exact;
 pub mod export;
 pub mod label;

@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use vantage_lab::commands::{compare, plan};
+use vantage_lab::commands::{compare, dataset, plan};
 
 /// Plans the next best photo of an object for radiance-field capture
 #[derive(Parser)]
@@ -19,12 +19,15 @@ enum Command {
     Plan(plan::PlanArgs),
     /// Compare schemes by exact scores over objects and budgets
     Compare(compare::CompareArgs),
+    /// Make views of many objects, exactly labelled, to train on
+    Dataset(dataset::DatasetArgs),
 }
 
 fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Plan(args) => plan::run(&args),
         Command::Compare(args) => compare::run(&args),
+        Command::Dataset(args) => dataset::run(&args),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -1,11 +1,11 @@
-//! The object of a plan: a file, or one made here.
+//! The object of a plan: a file, or one made here: a built-in object or one of a class.
 
 use std::path::Path;
 
 use anyhow::{Result, anyhow, bail};
 use glam::DMat4;
 
-use crate::mesh::{self, BUILTIN, Mesh};
+use crate::mesh::{self, BUILTIN, CLASSES, Mesh};
 use crate::record::Matrix4;
 
 /// An object inside the unit sphere, +Z up.
@@ -21,8 +21,9 @@ pub struct Object {
 }
 
 impl Object {
-    /// The object of a name: a file's path, or a built-in object made from `seed`. No name means
-    /// the first built-in one.
+    /// The object of a name: a file's path, or a built-in object or one of a class made from
+    /// `seed`. No name means the first built-in one; where a built-in object and a class share a
+    /// name, `class:NAME` means the class.
     pub fn open(name: Option<&str>, seed: u64) -> Result<Self> {
         let name = name.unwrap_or(BUILTIN[0]);
         let path = Path::new(name);
@@ -33,18 +34,27 @@ impl Object {
             let loaded = mesh::load(path).map_err(|error| anyhow!("{error}"))?;
             let stem = path.file_stem().unwrap_or(path.as_os_str());
             (stem.to_string_lossy().into_owned(), loaded.mesh, loaded.warnings)
-        } else if let Some(mesh) = mesh::builtin(name, seed) {
+        } else if let Some(mesh) = made_here(name, seed) {
             (name.to_owned(), mesh, Vec::new())
         } else {
             bail!(
                 "there is no file `{name}` and no built-in object of that name: \
-                 name a GLB, glTF or OBJ file, or one of {}",
-                BUILTIN.join(", ")
+                 name a GLB, glTF or OBJ file, one of {}, or of a class: {}",
+                BUILTIN.join(", "),
+                CLASSES.join(", ")
             );
         };
         let world_from_object = rows_of(mesh::normalise(&mut mesh));
         Ok(Self { name, mesh, world_from_object, warnings })
     }
+}
+
+/// A built-in object, or one of a class.
+fn made_here(name: &str, seed: u64) -> Option<Mesh> {
+    if let Some(class) = name.strip_prefix("class:") {
+        return mesh::class(class, seed);
+    }
+    mesh::builtin(name, seed).or_else(|| mesh::class(name, seed))
 }
 
 fn rows_of(matrix: DMat4) -> Matrix4 {

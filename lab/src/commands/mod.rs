@@ -1,6 +1,7 @@
 //! The commands of `cargo vantage`.
 
 pub mod compare;
+pub mod dataset;
 pub mod plan;
 
 use std::io::{ErrorKind, Write};

@@ -23,16 +23,21 @@ use image::RgbaImage;
 use vantage_core::{Vec2, Vec3};
 
 mod builtin;
+mod classes;
 pub mod colour;
 #[cfg(test)]
 mod file_tests;
 mod gltf;
+mod kit;
 mod load;
 mod normalise;
 mod obj;
+mod shapes;
 mod source;
 
 pub use builtin::{BUILTIN, builtin, noisy_blob};
+pub use classes::{CLASSES, class};
+pub(crate) use kit::Chance;
 pub use load::{Format, LoadError, Loaded, from_bytes, load};
 pub use normalise::normalise;
 pub use source::Problem;

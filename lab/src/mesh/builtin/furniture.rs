@@ -3,9 +3,9 @@
 use vantage_core::math::sin;
 use vantage_core::{Quat, Vec3};
 
-use super::kit::{Chance, fractal, hsv, mix, noise, painted, scaled, step, wood};
-use super::shapes::{Joined, Object, TURN, bar, block, patch, turned};
 use crate::mesh::Mesh;
+use crate::mesh::kit::{Chance, fractal, hsv, mix, noise, painted, scaled, step, wood};
+use crate::mesh::shapes::{Joined, Object, TURN, bar, block, on_globe, patch, turned};
 
 /// A bookcase of two columns and four rows: books, bowls, balls, boxes and vases in front of a
 /// papered back.
@@ -204,7 +204,7 @@ impl Things {
     }
 
     fn globe(&self, object: &mut Object, chance: &mut Chance, at: Vec3, radius: f32) {
-        let ball = patch(24, 12, Joined::Round, |u, v| super::on_globe(u, 1.0 - v) * radius);
+        let ball = patch(24, 12, Joined::Round, |u, v| on_globe(u, 1.0 - v) * radius);
         let tint = hsv(chance.unit(), 0.3, 1.0);
         object.add(self.checks, ball.tiled(2.0, 1.0).moved(at).tinted(tint));
     }
@@ -249,7 +249,7 @@ impl Things {
             let size = 0.30 * r;
             let (offset, lift) = if i == 4 { (0.0, 1.1) } else { (0.36 * r, 0.62) };
             let place = Quat::from_rotation_z(angle) * Vec3::X * offset + Vec3::Z * lift * h;
-            let fruit = patch(14, 8, Joined::Round, |u, v| super::on_globe(u, 1.0 - v) * size);
+            let fruit = patch(14, 8, Joined::Round, |u, v| on_globe(u, 1.0 - v) * size);
             let tint = hsv(chance.between(-0.03, 0.3), 0.75, 0.95);
             object.add(self.pages, fruit.moved(at + place).tinted(tint));
         }
@@ -358,7 +358,7 @@ pub(super) fn chair(seed: u64) -> Mesh {
 fn pillow(wide: f32, deep: f32, half: f32, puff: f32) -> Mesh {
     let mut mesh = patch(40, 20, Joined::Round, |u, v| {
         // A rounded square: the globe's directions, pushed outwards to the corners.
-        let d = super::on_globe(u, 1.0 - v);
+        let d = on_globe(u, 1.0 - v);
         let ring = (d.x * d.x + d.y * d.y).sqrt();
         let longest = d.x.abs().max(d.y.abs()).max(1e-6);
         let square = ring / longest;

@@ -1,13 +1,9 @@
 //! Objects made here, for when no file is named: textured, detailed, the same for the same seed.
 
-use vantage_core::Vec3;
-
 use super::Mesh;
 
 mod furniture;
-mod kit;
 mod round;
-mod shapes;
 
 /// The names that [`builtin`] knows; the first is the default.
 pub const BUILTIN: &[&str] = &["shelf", "chair", "vase", "knot", "blob", "ball"];
@@ -32,17 +28,10 @@ pub fn noisy_blob(triangles: usize, seed: u64) -> Mesh {
     round::blob(triangles, seed)
 }
 
-/// A direction on the sphere from (u, v) in [0, 1]², v downwards, as a world map has it.
-fn on_globe(u: f32, v: f32) -> Vec3 {
-    use vantage_core::math::{cos, sin};
-    let (azimuth, polar) = (u * shapes::TURN, v * 0.5 * shapes::TURN);
-    // Exactly on the axis at the poles, where the sine only nearly vanishes.
-    let ring = if v <= 0.0 || v >= 1.0 { 0.0 } else { sin(polar) };
-    Vec3::new(ring * cos(azimuth), ring * sin(azimuth), cos(polar))
-}
-
 #[cfg(test)]
 mod tests {
+    use vantage_core::Vec3;
+
     use super::*;
 
     #[test]

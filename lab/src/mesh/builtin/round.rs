@@ -3,10 +3,9 @@
 use vantage_core::Vec3;
 use vantage_core::math::{cos, sin};
 
-use super::kit::{Chance, fractal, hsv, mix, noise, painted, scaled, step};
-use super::on_globe;
-use super::shapes::{Joined, Object, TURN, patch, tube, turned};
 use crate::mesh::Mesh;
+use crate::mesh::kit::{Chance, fractal, hsv, mix, noise, painted, scaled, step};
+use crate::mesh::shapes::{Joined, Object, TURN, on_globe, patch, tube, turned};
 
 /// A painted two-handled vase, hollow, with a waist and a narrow neck.
 pub(super) fn vase(seed: u64) -> Mesh {

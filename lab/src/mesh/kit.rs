@@ -8,7 +8,7 @@ use vantage_core::Vec3;
 use crate::mesh::{Material, Texture, Wrap};
 
 /// SplitMix64 (Steele, Lea and Flood, 2014): small, and good from any seed.
-pub(super) struct Chance(u64);
+pub(crate) struct Chance(u64);
 
 impl Chance {
     pub fn new(seed: u64) -> Self {

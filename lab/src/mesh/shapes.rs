@@ -58,6 +58,14 @@ pub(super) fn patch(nu: u32, nv: u32, joined: Joined, point: impl Fn(f32, f32) -
     mesh
 }
 
+/// A direction on the sphere from (u, v) in [0, 1]², v downwards, as a world map has it.
+pub(super) fn on_globe(u: f32, v: f32) -> Vec3 {
+    let (azimuth, polar) = (u * TURN, v * 0.5 * TURN);
+    // Exactly on the axis at the poles, where the sine only nearly vanishes.
+    let ring = if v <= 0.0 || v >= 1.0 { 0.0 } else { sin(polar) };
+    Vec3::new(ring * cos(azimuth), ring * sin(azimuth), cos(polar))
+}
+
 /// A box of the given size around the origin, each side in cells of about `cell`; a UV unit is
 /// `uv_unit` long, and v runs along the box's longest side.
 pub(super) fn block(size: Vec3, cell: f32, uv_unit: f32) -> Mesh {
@@ -160,7 +168,8 @@ pub(super) fn bar(
 }
 
 impl Mesh {
-    fn with_v_flipped(mut self) -> Self {
+    /// UVs with v the other way up.
+    pub(super) fn with_v_flipped(mut self) -> Self {
         for uv in self.uvs.iter_mut().flatten() {
             uv.y = 1.0 - uv.y;
         }
