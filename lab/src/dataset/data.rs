@@ -23,7 +23,7 @@ pub struct ObjectData {
     pub validation: Views,
     /// The views on which reconstructions are scored.
     pub test: TestViews,
-    /// Walks over the train views.
+    /// Walks over the train views, the even ones by chance alone.
     pub trajectories: Vec<Trajectory>,
 }
 

@@ -4,6 +4,7 @@ use anyhow::Result;
 use rayon::prelude::*;
 use vantage_core::candidates::{Pool, ViewSpace};
 use vantage_core::objectives::{Objective, Reading};
+use vantage_core::planner::Plan;
 use vantage_core::{Camera, Pose};
 
 use super::data::{ObjectData, State, TestViews, Trajectory, Views};
@@ -58,18 +59,34 @@ pub(super) fn object(
     let mut data =
         ObjectData { name, class, faces, texture_limit, train, validation, test, trajectories };
     data.trajectories =
-        (0..parameters.trajectories).map(|_| walk(&data, parameters.steps, &mut chance)).collect();
+        (0..parameters.trajectories)
+        .map(|number| walk(&data, number, parameters.steps, &mut chance))
+        .collect();
     Ok(data)
 }
 
-/// A walk over the train views by chance, none twice.
-fn walk(data: &ObjectData, steps: usize, chance: &mut Chance) -> Trajectory {
+/// A walk over the train views, none twice.
+///
+/// The walks of even number are by chance alone. The others pass through states as a planner meets
+/// them: views that lie far apart first, then by chance either any view or the one that gains most
+/// in an objective.
+fn walk(data: &ObjectData, number: usize, steps: usize, chance: &mut Chance) -> Trajectory {
     let mut left: Vec<u16> = (0..data.train.poses.len() as u16).collect();
     let mut accounts = Vec::new();
     let mut ledger = data.ledger(&mut accounts);
-    let (mut views, mut states) = (Vec::with_capacity(steps), Vec::with_capacity(steps));
-    for _ in 0..steps {
-        let view = left.swap_remove(chance.below(left.len() as u32) as usize);
+    let (mut views, mut states) = (Vec::with_capacity(steps), Vec::<State>::with_capacity(steps));
+    for step in 0..steps {
+        let any = chance.below(left.len() as u32) as usize;
+        let planned = number % 2 == 1 && step > 0;
+        let place = match states.last() {
+            Some(_) if planned && step < Plan::START_VIEWS => farthest(data, &left, &views),
+            Some(state) if planned && chance.below(2) == 0 => {
+                let objective = chance.below(4) as usize;
+                highest(&left, |view| state.gains[usize::from(view)][objective])
+            }
+            _ => any,
+        };
+        let view = left.swap_remove(place);
         let index = usize::from(view);
         ledger.add(data.train.position(index), &data.train.sighting(index));
         views.push(view);
@@ -81,4 +98,19 @@ fn walk(data: &ObjectData, steps: usize, chance: &mut Chance) -> Trajectory {
         states.push(State { gains: gains.collect(), scores: ledger.scores() });
     }
     Trajectory { views, states }
+}
+
+/// The place in `left` of the view that is farthest from all `taken`.
+fn farthest(data: &ObjectData, left: &[u16], taken: &[u16]) -> usize {
+    let position = |view: u16| data.train.position(view.into());
+    highest(left, |view| {
+        let distances = taken.iter().map(|&other| position(other).distance_squared(position(view)));
+        distances.fold(f32::INFINITY, f32::min)
+    })
+}
+
+/// The place in `left`, which is not empty, of the view of the highest value.
+fn highest(left: &[u16], value: impl Fn(u16) -> f32) -> usize {
+    let values = left.iter().map(|&view| value(view)).enumerate();
+    values.max_by(|(_, a), (_, b)| a.total_cmp(b)).map_or(0, |(place, _)| place)
 }

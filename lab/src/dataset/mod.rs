@@ -4,7 +4,9 @@
 //! Of each object there are photos of 100 train views and 100 validation views, masks of 200 test
 //! views on a smooth spiral, the faces with what each view shows of them, and random walks over the
 //! train views with the exact scores after each step and the exact gain of every further view
-//! (Lee et al., 2023, section 4). Walks are drawn evenly; because faces and labels are kept, a
+//! (Lee et al., 2023, section 4). Every other walk is drawn evenly; the rest begin with views far
+//! apart and take half of their steps to the view that gains most in an objective, so that states
+//! as a planner meets them are among the samples. Because faces and labels are kept, a
 //! [`Ledger`](vantage_core::objectives::Ledger) gives the exact gains of any other state too.
 //!
 //! A data set is a folder: `manifest.json` and one compressed shard for each object, described byte
