@@ -77,6 +77,7 @@ pub mod planner;
 pub mod pose;
 #[cfg(feature = "serde")]
 pub mod record;
+pub mod soarnet;
 
 pub use camera::{Camera, CameraError};
 pub use exact::Exact;

@@ -12,6 +12,12 @@ pub fn sqrt(x: f32) -> f32 {
     libm::sqrtf(x)
 }
 
+/// The largest whole number not above `x`.
+#[inline]
+pub fn floor(x: f32) -> f32 {
+    libm::floorf(x)
+}
+
 /// Sine of an angle in radians.
 #[inline]
 pub fn sin(x: f32) -> f32 {
