@@ -6,4 +6,6 @@ pub mod fit;
 pub mod measure;
 pub mod net;
 pub mod onnx;
+pub mod quantize;
+pub mod reference;
 pub mod samples;

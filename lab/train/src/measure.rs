@@ -79,7 +79,7 @@ fn add(batch: &Batch, ranks: &[f32], sums: &mut [[f64; 3]; OBJECTIVES]) {
 }
 
 /// Spearman's rank correlation; equal values share their mean rank. 0 where a side is constant.
-fn spearman(a: &[f32], b: &[f32]) -> f64 {
+pub fn spearman(a: &[f32], b: &[f32]) -> f64 {
     let (a, b) = (ranks(a), ranks(b));
     let mean = (a.len() as f64 - 1.0) / 2.0;
     let product = |x: &[f64], y: &[f64]| -> f64 {

@@ -149,7 +149,7 @@ impl Graph {
             name: name.to_owned(),
             dims,
             data_type: FLOAT,
-            raw_data: raw_data.into(),
+            raw_data,
             ..TensorProto::default()
         });
     }
@@ -159,7 +159,7 @@ impl Graph {
             name: name.to_owned(),
             dims: vec![values.len() as i64],
             data_type: INT64,
-            raw_data: values.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>().into(),
+            raw_data: values.iter().flat_map(|v| v.to_le_bytes()).collect(),
             ..TensorProto::default()
         });
     }

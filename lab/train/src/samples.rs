@@ -3,10 +3,11 @@
 use anyhow::{Context, Result};
 use burn::tensor::{Device, Tensor, TensorData};
 use rand::seq::SliceRandom;
-use rand::{Rng, RngExt};
+use rand::{Rng, RngExt, SeedableRng};
+use rand_pcg::Pcg64;
 use rayon::prelude::*;
 use vantage_core::soarnet::features::{self, COUNT, DIRECTION, Direction, RELATION, Stance};
-use vantage_core::{Scores, Vec3};
+use vantage_core::{Pose, Scores, Vec3};
 use vantage_lab::dataset::{Dataset, ObjectData, Split};
 
 use crate::augment::{Look, PHOTO};
@@ -16,6 +17,7 @@ use crate::net::{OBJECTIVES, Question, SIDE, STATE};
 pub struct Object {
     pub class: String,
     photos: Vec<u8>, // (views, 64, 64, 4)
+    poses: Vec<Pose>,
     stances: Vec<Stance>,
     walks: Vec<Walk>,
 }
@@ -54,10 +56,35 @@ impl Object {
         Ok(Self {
             class: data.class,
             photos: data.train.photos,
+            poses: data.train.poses,
             stances: stances
                 .with_context(|| format!("{}: a view stands on its object", data.name))?,
             walks: walks.collect(),
         })
+    }
+}
+
+impl Object {
+    /// The candidates.
+    pub fn poses(&self) -> &[Pose] {
+        &self.poses
+    }
+
+    /// The views of a walk, in order.
+    pub fn walk(&self, walk: usize) -> impl Iterator<Item = usize> + '_ {
+        self.walks[walk % self.walks.len()].views.iter().map(|&view| view.into())
+    }
+
+    /// A view's photo before neutral grey, as bytes, shape (64, 64, 3).
+    pub fn photo(&self, view: usize) -> Vec<u8> {
+        let size = SIDE * SIDE * 4;
+        let mut values = vec![0.0; PHOTO];
+        let rgba = &self.photos[view * size..(view + 1) * size];
+        // Nothing of a plain look is left to chance.
+        Look::plain().photo(rgba, &mut Pcg64::seed_from_u64(0), &mut values);
+        let places = 0..SIDE * SIDE;
+        let byte = |value: f32| (value * 128.0 + 128.0) as u8;
+        places.flat_map(|at| [0, 1, 2].map(|c| byte(values[c * SIDE * SIDE + at]))).collect()
     }
 }
 
@@ -86,6 +113,20 @@ pub struct Batch {
     /// Whether a candidate has been visited in a state, (P * B, Z).
     pub visited: Vec<bool>,
     pub truth: Truth,
+}
+
+/// What the network is told of one state, n views and Z candidates.
+pub struct State {
+    /// (n, 3, 64, 64), or empty.
+    pub photos: Vec<f32>,
+    /// (n, 16).
+    pub views: Vec<f32>,
+    /// (n, Z, 16).
+    pub relations: Vec<f32>,
+    /// (Z, 16).
+    pub candidates: Vec<f32>,
+    /// (4).
+    pub count: Vec<f32>,
 }
 
 /// Which captures a batch shows.
@@ -206,6 +247,25 @@ impl Batch {
             relations: relations.map(|values| of(values, [objects, others, RELATION])).collect(),
             candidates: of(&self.candidates, [objects, others, DIRECTION]),
             counts: self.counts.clone(),
+        }
+    }
+
+    /// What the network is told of one capture after its first `count` views.
+    pub fn state(&self, object: usize, count: usize) -> State {
+        let (others, views) = (self.others, self.relations.len());
+        let part = |values: &[f32], width: usize, from: usize, length: usize| {
+            let at = from * width..(from + length) * width;
+            values.get(at).unwrap_or_default().to_vec()
+        };
+        let relations = self.relations[..count].iter();
+        State {
+            photos: part(&self.photos, PHOTO, object * views, count),
+            views: part(&self.views, DIRECTION, object * views, count),
+            relations: relations
+                .flat_map(|values| part(values, RELATION, object * others, others))
+                .collect(),
+            candidates: part(&self.candidates, DIRECTION, object * others, others),
+            count: features::count(count).map(value).to_vec(),
         }
     }
 
