@@ -4,6 +4,7 @@ pub mod commands;
 pub mod dataset;
 pub mod exact;
 pub mod export;
+mod heap;
 pub mod label;
 pub mod mesh;
 pub mod object;
