@@ -58,8 +58,7 @@ pub(super) fn object(
     let trajectories = Vec::new();
     let mut data =
         ObjectData { name, class, faces, texture_limit, train, validation, test, trajectories };
-    data.trajectories =
-        (0..parameters.trajectories)
+    data.trajectories = (0..parameters.trajectories)
         .map(|number| walk(&data, number, parameters.steps, &mut chance))
         .collect();
     Ok(data)
