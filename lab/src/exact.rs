@@ -6,9 +6,10 @@ use std::time::Instant;
 use anyhow::{Context, Result};
 use rayon::prelude::*;
 use vantage_core::objectives::{Face, FaceAccount, Ledger, Reading, Sighting, Surface};
-use vantage_core::planner::{Candidate, Memory, NextView, Plan, Scorer, Session, View};
+use vantage_core::planner::{Candidate, NextView, Plan, Scorer, Session};
 use vantage_core::{Camera, Exact, Objective, Pose, Scores};
 
+use crate::heap::Heap;
 use crate::label::{self, Label};
 use crate::mesh::Mesh;
 use crate::render::Renderer;
@@ -75,7 +76,7 @@ impl Labelled {
         let mut accounts = vec![FaceAccount::default(); self.faces.len()];
         let ledger = Ledger::try_new(self.surface()?, self.reading, &mut accounts)?;
         let scorer = Parallel(Exact::new(ledger, &sightings));
-        let memory = Heap { candidates: Vec::new(), views: Vec::new() };
+        let memory = Heap::default();
         let start = Instant::now();
         let mut session = Session::try_new(memory, self.poses.iter().copied(), scorer, plan)?;
         let mut steps = Vec::with_capacity(plan.budget());
@@ -119,44 +120,5 @@ impl<'a> Scorer for Parallel<'a> {
 
     fn scores(&self) -> Scores {
         self.0.scores()
-    }
-}
-
-/// A session's memory on the heap: as many candidates and views as there are.
-struct Heap {
-    candidates: Vec<Candidate>,
-    views: Vec<View>,
-}
-
-impl Memory for Heap {
-    fn candidates(&self) -> &[Candidate] {
-        &self.candidates
-    }
-
-    fn candidates_mut(&mut self) -> &mut [Candidate] {
-        &mut self.candidates
-    }
-
-    fn push_candidate(&mut self, candidate: Candidate) -> Result<(), Candidate> {
-        self.candidates.push(candidate);
-        Ok(())
-    }
-
-    fn views(&self) -> &[View] {
-        &self.views
-    }
-
-    fn push_view(&mut self, view: View) -> Result<(), View> {
-        self.views.push(view);
-        Ok(())
-    }
-
-    fn view_capacity(&self) -> usize {
-        usize::MAX
-    }
-
-    fn clear(&mut self) {
-        self.candidates.clear();
-        self.views.clear();
     }
 }

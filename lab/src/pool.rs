@@ -21,24 +21,34 @@ pub const FOV_X_RAD: f32 = 0.691_111_2;
 /// More candidates than this would take hours to render.
 const MOST_CANDIDATES: usize = 65_536;
 
+/// Candidates, where nothing else is said.
+const CANDIDATES: usize = 100;
+
+/// Beyond the elevations that a photographer has reached, so much more is thought within reach.
+const MARGIN_DEG: f32 = 15.0;
+
+/// Steeper than this nobody is sent unasked.
+const STEEPEST_DEG: f32 = 85.0;
+
 /// The candidate pool. It depends on these alone, so that schemes choose from the same views.
 #[derive(Args, Clone, Debug)]
 pub struct PoolArgs {
-    /// Number of candidate views
-    #[arg(long, default_value_t = 100, value_name = "N", conflicts_with = "pool")]
-    pub candidates: usize,
+    /// Number of candidate views [default: 100; with --photos at least twice as many as photos]
+    #[arg(long, value_name = "N", conflicts_with = "pool")]
+    pub candidates: Option<usize>,
     /// Seed of the candidate pool
     #[arg(long, default_value_t = 0, value_name = "K", conflicts_with = "pool")]
     pub pool_seed: u64,
-    /// Where candidate views may stand
-    #[arg(long, value_enum, default_value_t = Space::Sphere, conflicts_with = "pool")]
-    pub space: Space,
-    /// Lowest elevation in degrees, for all spaces but `sphere` and `fibonacci`
-    #[arg(long, default_value_t = 5.0, value_name = "DEGREES", allow_hyphen_values = true)]
-    pub min_elevation: f32,
-    /// Highest elevation in degrees, likewise
-    #[arg(long, default_value_t = 80.0, value_name = "DEGREES", allow_hyphen_values = true)]
-    pub max_elevation: f32,
+    /// Where candidate views may stand [default: sphere; with --photos hemisphere]
+    #[arg(long, value_enum, conflicts_with = "pool")]
+    pub space: Option<Space>,
+    /// Lowest elevation in degrees, for all spaces but `sphere` and `fibonacci` [default: 5; with
+    /// --photos 15 below the lowest photo]
+    #[arg(long, value_name = "DEGREES", allow_hyphen_values = true)]
+    pub min_elevation: Option<f32>,
+    /// Highest elevation in degrees, likewise [default: 80; with --photos 15 above the highest]
+    #[arg(long, value_name = "DEGREES", allow_hyphen_values = true)]
+    pub max_elevation: Option<f32>,
     /// Number of rings, for `rings`; number of turns, for `spiral`
     #[arg(long, default_value_t = 4, value_name = "N")]
     pub rings: usize,
@@ -70,22 +80,44 @@ impl PoolArgs {
             Some(path) => {
                 read(path).with_context(|| format!("cannot use the pool {}", path.display()))
             }
-            None if self.candidates > MOST_CANDIDATES => bail!(
+            None if self.count() > MOST_CANDIDATES => bail!(
                 "{} candidates are too many to render: give --candidates up to {MOST_CANDIDATES}",
-                self.candidates
+                self.count()
             ),
-            None => {
-                Ok(Pool::try_new(self.view_space(), self.candidates, DISTANCE)?.iter().collect())
-            }
+            None => Ok(Pool::try_new(self.view_space(), self.count(), DISTANCE)?.iter().collect()),
         }
+    }
+
+    /// The same, and what was left open filled in for a capture of so many photos between two
+    /// elevations in degrees: where its photographer can get to.
+    pub fn around(&self, photos: usize, [lowest, highest]: [f32; 2]) -> Self {
+        Self {
+            candidates: self.candidates.or(Some(photos.saturating_mul(2).max(CANDIDATES))),
+            space: self.space.or(Some(Space::Hemisphere)),
+            min_elevation: self.min_elevation.or(Some((lowest - MARGIN_DEG).max(-STEEPEST_DEG))),
+            max_elevation: self.max_elevation.or(Some((highest + MARGIN_DEG).min(STEEPEST_DEG))),
+            ..self.clone()
+        }
+    }
+
+    fn count(&self) -> usize {
+        self.candidates.unwrap_or(CANDIDATES)
+    }
+
+    fn space(&self) -> Space {
+        self.space.unwrap_or(Space::Sphere)
+    }
+
+    fn elevations_deg(&self) -> [f32; 2] {
+        [self.min_elevation.unwrap_or(5.0), self.max_elevation.unwrap_or(80.0)]
     }
 
     /// What the record says of the pool.
     pub fn record(&self) -> PoolRecord {
         let space =
-            self.space.to_possible_value().map_or(String::new(), |v| v.get_name().to_owned());
-        let between = matches!(self.space, Space::Hemisphere | Space::Rings | Space::Spiral);
-        let wound = matches!(self.space, Space::Rings | Space::Spiral);
+            self.space().to_possible_value().map_or(String::new(), |v| v.get_name().to_owned());
+        let between = matches!(self.space(), Space::Hemisphere | Space::Rings | Space::Spiral);
+        let wound = matches!(self.space(), Space::Rings | Space::Spiral);
         match &self.pool {
             Some(file) => PoolRecord {
                 space: "file".to_owned(),
@@ -96,7 +128,7 @@ impl PoolArgs {
             None => PoolRecord {
                 space,
                 file: None,
-                elevations: between.then_some([self.min_elevation, self.max_elevation]),
+                elevations: between.then(|| self.elevations_deg()),
                 rings: wound.then_some(self.rings),
             },
         }
@@ -108,9 +140,8 @@ impl PoolArgs {
     }
 
     fn view_space(&self) -> ViewSpace {
-        let min_elevation_rad = self.min_elevation.to_radians();
-        let max_elevation_rad = self.max_elevation.to_radians();
-        match self.space {
+        let [min_elevation_rad, max_elevation_rad] = self.elevations_deg().map(f32::to_radians);
+        match self.space() {
             Space::Sphere => ViewSpace::RandomSphere { seed: self.pool_seed },
             Space::Fibonacci => ViewSpace::FibonacciSphere,
             Space::Hemisphere => ViewSpace::Hemisphere { min_elevation_rad, max_elevation_rad },
@@ -126,7 +157,7 @@ impl PoolArgs {
 }
 
 /// The poses of a file: see [`PoolArgs::pool`].
-fn read(path: &Path) -> Result<Vec<Pose>> {
+pub(crate) fn read(path: &Path) -> Result<Vec<Pose>> {
     let text =
         std::fs::read_to_string(path).map_err(|error| anyhow!("it cannot be read: {error}"))?;
     let value: Value =

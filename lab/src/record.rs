@@ -117,6 +117,105 @@ pub fn matrix_of(pose: &Pose) -> Matrix4 {
     [a, b, c, [0.0, 0.0, 0.0, 1.0]]
 }
 
+/// A capture in progress: `plan --photos --json`.
+///
+/// Everything that is a place or a pose is in the coordinates and units of the capture's own
+/// `transforms.json`; azimuths and elevations are about the object's centre and upward direction.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct PhotosRecord {
+    /// The folder's name.
+    pub capture: String,
+    /// The scheme, as named on the command line.
+    pub scheme: String,
+    /// Seed of the planner's own chance.
+    pub seed: u64,
+    /// Seed of the candidate pool; null where the pool came from a file.
+    pub pool_seed: Option<u64>,
+    /// Size of the candidate pool.
+    pub candidates: usize,
+    /// Where the candidates stand.
+    pub pool: PoolRecord,
+    /// The object's middle: given, or the point nearest to all optical axes.
+    pub centre: [f64; 3],
+    /// The radius of the sphere around it that is planned for: given, or the largest that half of
+    /// the photos show whole.
+    pub radius: f64,
+    /// The middle distance of the photos from the centre; that of every generated candidate.
+    pub distance: f64,
+    /// The upward direction, unit length.
+    pub up: [f64; 3],
+    /// Lowest and highest elevation of the photos, degrees.
+    pub elevations: [f32; 2],
+    /// The photos planned from.
+    pub photos: Vec<PhotoRecord>,
+    /// The photos that could not be used, and why.
+    pub skipped: Vec<SkippedRecord>,
+    /// What was read and had no effect, in sentences.
+    pub notes: Vec<String>,
+    /// The scores of the photos so far as predicted, before smoothing; null where the scheme looks
+    /// at poses alone.
+    pub scores: Option<Scores>,
+    /// The next view, then others in case it cannot be reached: each the best among those at some
+    /// distance from the ones before.
+    pub next: Vec<NextRecord>,
+    /// Seconds spent: `load` reading the photos, `plan` planning.
+    pub seconds: Seconds,
+}
+
+/// A photo that was planned from.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct PhotoRecord {
+    /// Its place in the file's list, from 1.
+    pub number: usize,
+    /// As the file names it.
+    pub file_path: String,
+    /// Camera centre.
+    pub position: [f64; 3],
+    /// Degrees anticlockwise, seen from above.
+    pub azimuth: f32,
+    /// Degrees above the horizon.
+    pub elevation: f32,
+}
+
+/// A photo that could not be used.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct SkippedRecord {
+    /// Its place in the file's list, from 1.
+    pub number: usize,
+    /// As the file names it.
+    pub file_path: String,
+    /// Why, in words.
+    pub why: String,
+}
+
+/// A view to take next.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct NextRecord {
+    /// Index into the candidate pool.
+    pub index: usize,
+    /// Camera centre.
+    pub position: [f64; 3],
+    /// The file's coordinates from the camera's, OpenGL axes, shape (4, 4), as in `frames`.
+    pub transform_matrix: Matrix4,
+    /// Degrees anticlockwise, seen from above.
+    pub azimuth: f32,
+    /// Degrees above the horizon.
+    pub elevation: f32,
+    /// Where that is, from the nearest photo, in words.
+    pub place: String,
+    /// The number of the nearest photo.
+    pub nearest: usize,
+    /// The angle to it about the object, degrees.
+    pub angle: f32,
+    /// The objective that chose it; null for a view that no single objective chose.
+    pub objective: Option<String>,
+    /// Why it was chosen, in words.
+    pub reason: String,
+    /// The expected gain; for farthest points the distance to the nearest photo in radii, all
+    /// cameras brought to three radii from the centre.
+    pub gain: f32,
+}
+
 /// A comparison: `compare --json`.
 #[derive(Clone, Debug, Serialize)]
 pub struct ComparisonRecord {

@@ -45,6 +45,11 @@ pub fn oracle(objective: Objective) -> &'static str {
     }
 }
 
+/// Whether a scheme can choose by poses alone: without a mesh and without a network.
+pub fn needs_poses_only(name: &str) -> bool {
+    matches!(name, "fps" | "pc-fps" | "random")
+}
+
 /// A sentence for a name that is none.
 pub fn unknown(name: &str) -> String {
     let names: Vec<&str> = SCHEMES.iter().map(|(name, _)| *name).collect();

@@ -2,14 +2,18 @@
 
 pub mod compare;
 pub mod dataset;
+pub mod photos;
 pub mod plan;
 
+use std::fs;
 use std::io::{ErrorKind, Write};
+use std::path::Path;
 use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
+use serde::Serialize;
 use vantage_core::Camera;
 use vantage_core::objectives::Reading;
 
@@ -86,4 +90,11 @@ fn print(text: &str) -> Result<()> {
         }
         _ => Ok(()),
     }
+}
+
+/// Saves a record as JSON that people can read too.
+fn save_json(path: &Path, record: &impl Serialize) -> Result<()> {
+    let mut text = serde_json::to_string_pretty(record)?;
+    text.push('\n');
+    fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))
 }

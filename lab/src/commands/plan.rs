@@ -1,6 +1,5 @@
 //! `cargo vantage plan`: from an object to a plan, its photos, and a folder that trainers open.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -12,6 +11,7 @@ use vantage_core::planner::{Plan, Start, Stop, shortest_tour};
 use vantage_core::{Camera, Pose, Scores, Vec3};
 
 use super::ScoreArgs;
+use super::photos::PhotosArgs;
 use crate::exact::{Labelled, Step};
 use crate::export::{self, Capture, Photo, Profile, Staging};
 use crate::object::Object;
@@ -27,14 +27,18 @@ use crate::seen_points;
 pub struct PlanArgs {
     /// A GLB, glTF or OBJ file, or a built-in object: shelf (if left out), chair, vase, knot, blob
     /// or ball
+    #[arg(conflicts_with = "photos")]
     pub object: Option<String>,
     /// Number of views to choose
-    #[arg(long, short, default_value_t = 20, value_name = "B")]
+    #[arg(long, short, default_value_t = 20, value_name = "B", conflicts_with = "photos")]
     pub budget: usize,
     /// How views are chosen: e (the ensemble), e-literal, c, q, d or t (one objective alone), sum,
-    /// fps (farthest-point sampling), pc-fps (the same after pseudo-coverage), random
-    #[arg(long, short, default_value = "e", value_name = "S")]
-    pub scheme: String,
+    /// fps (farthest-point sampling), pc-fps (the same after pseudo-coverage), random [default: e;
+    /// with --photos fps]
+    #[arg(long, short, value_name = "S")]
+    pub scheme: Option<String>,
+    #[command(flatten)]
+    pub photos: PhotosArgs,
     #[command(flatten)]
     pub pool: PoolArgs,
     /// Seed of what the planner leaves to chance: the first view, and the random scheme
@@ -47,7 +51,7 @@ pub struct PlanArgs {
     #[arg(long, default_value_t = 0.0, value_name = "COST")]
     pub movement_cost: f32,
     /// Stop early once six choices in a row promise less than this gain (1 is all there is)
-    #[arg(long, value_name = "GAIN")]
+    #[arg(long, value_name = "GAIN", conflicts_with = "photos")]
     pub stop: Option<f32>,
     #[command(flatten)]
     pub score: ScoreArgs,
@@ -55,10 +59,10 @@ pub struct PlanArgs {
     #[arg(long, short, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Layout of the folder
-    #[arg(long, value_enum, default_value_t = ProfileArg::Trainer)]
+    #[arg(long, value_enum, default_value_t = ProfileArg::Trainer, conflicts_with = "photos")]
     pub profile: ProfileArg,
     /// Width and height of the photos in pixels
-    #[arg(long, default_value_t = 512, value_name = "PIXELS")]
+    #[arg(long, default_value_t = 512, value_name = "PIXELS", conflicts_with = "photos")]
     pub size: u32,
     /// Print the plan as JSON
     #[arg(long)]
@@ -83,6 +87,13 @@ pub enum ProfileArg {
     NerfSynthetic,
 }
 
+impl PlanArgs {
+    /// The scheme for an object.
+    fn scheme(&self) -> &str {
+        self.scheme.as_deref().unwrap_or("e")
+    }
+}
+
 /// Views held out for the scores in NeRF's synthetic layout.
 const TEST_VIEWS: usize = 200;
 
@@ -94,6 +105,9 @@ const POINTS: usize = 5_000;
 
 /// Makes the plan and writes what was asked for.
 pub fn run(args: &PlanArgs) -> Result<()> {
+    if let Some(folder) = &args.photos.photos {
+        return super::photos::run(args, folder);
+    }
     // Whatever can be refused is refused before the long work.
     let plan = plan_of(args)?;
     super::checked_size(args.size, "--size")?;
@@ -125,7 +139,7 @@ pub fn run(args: &PlanArgs) -> Result<()> {
         let folder = staging.path();
         write_folder(folder, args, &object, &labelled, &label_camera, &steps, &record)?;
         record.seconds.write = start.elapsed().as_secs_f64();
-        save_json(&staging.path().join("plan.json"), &record)?;
+        super::save_json(&staging.path().join("plan.json"), &record)?;
         let folder = staging.commit()?;
         eprintln!("wrote {}", folder.display());
     }
@@ -137,21 +151,26 @@ pub fn run(args: &PlanArgs) -> Result<()> {
 }
 
 fn plan_of(args: &PlanArgs) -> Result<Plan> {
-    let mut plan = scheme::plan(&args.scheme, args.budget, args.seed)
-        .with_context(|| scheme::unknown(&args.scheme))?
+    let plan = with_options(args, args.scheme(), args.budget)?;
+    Ok(match args.stop {
+        Some(gain) => plan.with_stop(Stop { gain, ..Stop::default() }),
+        None => plan,
+    })
+}
+
+/// The plan of a scheme with the options that all plans share.
+pub(super) fn with_options(args: &PlanArgs, scheme: &str, budget: usize) -> Result<Plan> {
+    let plan = scheme::plan(scheme, budget, args.seed)
+        .with_context(|| scheme::unknown(scheme))?
         .with_movement_cost(args.movement_cost);
-    if args.start.is_some() && matches!(args.scheme.as_str(), "e-literal" | "pc-fps" | "random") {
-        bail!("the scheme {} says itself how it starts: leave out --start", args.scheme);
+    if args.start.is_some() && matches!(scheme, "e-literal" | "pc-fps" | "random") {
+        bail!("the scheme {scheme} says itself how it starts: leave out --start");
     }
-    match args.start {
-        Some(StartArg::Fps) => plan = plan.with_start(Start::FarthestPoint),
-        Some(StartArg::PseudoCoverage) => plan = plan.with_start(Start::PseudoCoverage),
-        None => {}
-    }
-    if let Some(gain) = args.stop {
-        plan = plan.with_stop(Stop { gain, ..Stop::default() });
-    }
-    Ok(plan)
+    Ok(match args.start {
+        Some(StartArg::Fps) => plan.with_start(Start::FarthestPoint),
+        Some(StartArg::PseudoCoverage) => plan.with_start(Start::PseudoCoverage),
+        None => plan,
+    })
 }
 
 fn record_of(
@@ -176,7 +195,7 @@ fn record_of(
     let exact = steps.last().map(|step| step.scores);
     PlanRecord {
         object: object.name.clone(),
-        scheme: args.scheme.clone(),
+        scheme: args.scheme().to_owned(),
         budget: args.budget,
         seed: args.seed,
         pool_seed: args.pool.seed(),
@@ -242,7 +261,7 @@ fn write_folder(
 }
 
 /// The command as it was typed.
-fn command_line() -> String {
+pub(super) fn command_line() -> String {
     let quoted = |argument: String| {
         let plain = |c: char| c.is_ascii_alphanumeric() || "-_./,=+:".contains(c);
         if !argument.is_empty() && argument.chars().all(plain) {
@@ -288,24 +307,18 @@ fn curves(args: &PlanArgs, labelled: &Labelled, steps: &[Step]) -> Result<Vec<Cu
         Ok(scores_of(&labelled.run(plan, || {})?))
     };
     let mut curves = vec![Curve {
-        label: args.scheme.clone(),
+        label: args.scheme().to_owned(),
         scores: scores_of(steps),
         low: Vec::new(),
         high: Vec::new(),
     }];
-    if args.scheme != "fps" {
+    if args.scheme() != "fps" {
         let scores = other("fps", args.seed)?;
         curves.push(Curve { label: "fps".into(), scores, low: Vec::new(), high: Vec::new() });
     }
     let random = (0..RANDOM_SEEDS).map(|seed| other("random", seed)).collect::<Result<Vec<_>>>()?;
     curves.push(Curve::of_runs("random", &random));
     Ok(curves)
-}
-
-fn save_json(path: &Path, record: &PlanRecord) -> Result<()> {
-    let mut text = serde_json::to_string_pretty(record)?;
-    text.push('\n');
-    fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))
 }
 
 fn table(record: &PlanRecord, budget: usize) -> String {

@@ -41,7 +41,7 @@ use crate::mesh::Mesh;
 mod clip;
 mod raster;
 mod shade;
-mod srgb;
+pub(crate) mod srgb;
 #[cfg(test)]
 mod tests;
 mod texture;

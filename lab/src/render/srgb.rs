@@ -17,13 +17,13 @@ static ENCODED: LazyLock<Vec<u8>> = LazyLock::new(|| {
 
 /// Linear light of an sRGB level.
 #[inline]
-pub(super) fn linear(byte: u8) -> f32 {
+pub(crate) fn linear(byte: u8) -> f32 {
     LINEAR[usize::from(byte)]
 }
 
 /// The sRGB level of linear light, at most one beside the nearest; NaN and less than 0 give 0.
 #[inline]
-pub(super) fn encode(light: f32) -> u8 {
+pub(crate) fn encode(light: f32) -> u8 {
     let step = (light * STEPS as f32 + 0.5) as usize; // saturates
     ENCODED[step.min(STEPS)]
 }
