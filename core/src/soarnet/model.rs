@@ -288,7 +288,7 @@ pub(super) struct EncoderLayers<'a> {
 }
 
 /// A network that lies in a file in memory, checked.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct Model<'a> {
     dimensions: Dimensions,
     checksum: u32,
@@ -296,6 +296,17 @@ pub struct Model<'a> {
     pub(super) token: [Linear<'a>; 2],
     pub(super) candidate: [Linear<'a>; 2],
     pub(super) state: [Linear<'a>; 2],
+}
+
+/// Without the weights.
+impl fmt::Debug for Model<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { dimensions, checksum, .. } = self;
+        f.debug_struct("Model")
+            .field("dimensions", dimensions)
+            .field("checksum", checksum)
+            .finish_non_exhaustive()
+    }
 }
 
 impl<'a> Model<'a> {

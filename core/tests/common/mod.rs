@@ -6,6 +6,7 @@
     reason = "in a test a panic is the finding; clippy knows only functions marked as tests"
 )]
 
+pub mod network;
 pub mod reference;
 
 use proptest::test_runner::{Config, RngSeed};
