@@ -12,6 +12,7 @@
 mod arithmetic;
 mod geometry;
 mod plans;
+mod predicted;
 mod recorded;
 mod scene;
 
@@ -32,6 +33,8 @@ const SECTIONS: &[(&str, Section)] = &[
     ("plans over a recorded scene", recorded::schemes),
     ("mishaps", recorded::mishaps),
     ("snapshots", recorded::snapshots),
+    ("gains by a network", predicted::gains),
+    ("plans by a network", predicted::plans),
 ];
 
 /// Writes the whole text: a heading `[name]` and its lines for each section.
