@@ -191,7 +191,7 @@ fn gains(model: Model<'_>) -> Vec<u32> {
     let poses: Vec<_> = Pool::try_new(ViewSpace::FibonacciSphere, 6, 2.0).unwrap().iter().collect();
     let memory = Fixed::<6, 2, 128, 128>::new();
     let mut scorer = SoarNet::try_new(model, memory, Vec3::ZERO, poses.clone()).unwrap();
-    let bytes: Vec<u8> = (0..32 * 32 * 2).map(|i| (i * 7 >> 2) as u8).collect();
+    let bytes: Vec<u8> = (0..32 * 32 * 2).map(|i| ((i * 7) >> 2) as u8).collect();
     let image = Image::try_new(32, 32, Pixels::Rgb565, &bytes).unwrap();
     scorer.observe(&poses[0], &Photo::new(image)).unwrap();
     scorer.observe(&poses[3], &Photo::new(image)).unwrap();

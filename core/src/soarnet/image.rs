@@ -288,7 +288,7 @@ mod tests {
 
     #[test]
     fn a_picture_of_the_networks_size_is_taken_as_it_is() {
-        let bytes: Vec<u8> = (0..INPUT).map(|i| (i * 7919 >> 3) as u8).collect();
+        let bytes: Vec<u8> = (0..INPUT).map(|i| ((i * 7919) >> 3) as u8).collect();
         let image = Image::try_new(64, 64, Pixels::Rgb888, &bytes).unwrap();
         assert_eq!(seen(&image, &image.middle().unwrap()), bytes);
     }

@@ -46,6 +46,7 @@ pub trait Memory {
     fn lists_mut(&mut self) -> ListsMut<'_>;
 }
 
+/// Memory that lies elsewhere, such as in a `static`.
 impl<M: Memory + ?Sized> Memory for &mut M {
     fn lists(&self) -> Lists<'_> {
         (**self).lists()
