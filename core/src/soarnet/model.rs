@@ -424,7 +424,8 @@ impl<'a> Reader<'a> {
             if padding.iter().any(|&byte| byte != 0) {
                 return Err(fault(Fault::Reserved));
             }
-            if weights.contains(&0x80) {
+            // Not `contains`, which leaves a panic path.
+            if weights.iter().any(|&weight| weight == 0x80) {
                 return Err(fault(Fault::Weight));
             }
             // At most 128 · 127 · 1024, so only the bias can make it too large.
