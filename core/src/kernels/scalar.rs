@@ -14,7 +14,8 @@ use super::{Addition, Linear, MAX_CHANNELS};
 pub fn requantize(sum: i32, multiplier: i32, zero: i8, low: i8) -> i8 {
     let product = i64::from(sum) * i64::from(multiplier);
     let value = ((i64::from(zero) << 32) + product + (1 << 31)) >> 32;
-    value.clamp(i64::from(low), 127) as i8
+    // Not `clamp`, which leaves a panic path where a bound is not a constant.
+    value.min(127).max(i64::from(low)) as i8
 }
 
 /// A sum as a number of 32 bits: `round(sum · multiplier / 2^20)`, halves up, saturated.
@@ -122,6 +123,6 @@ pub fn add_residual(add: &Addition, values: &mut [i8], others: &[i8]) {
         let sum = constant
             .wrapping_add(i32::from(*value).wrapping_mul(add.multiplier))
             .wrapping_add(i32::from(other).wrapping_mul(add.other_multiplier));
-        *value = (sum >> 18).clamp(i32::from(add.zero), 127) as i8;
+        *value = (sum >> 18).min(127).max(i32::from(add.zero)) as i8;
     }
 }

@@ -120,7 +120,7 @@ impl Window {
         let last = i64::from(length) - 1;
         ((from >> 6)..((to + 63) >> 6)).map(move |x| {
             let weight = to.min((x << 6) + 64) - from.max(x << 6);
-            (x.clamp(0, last) as usize, weight as u32)
+            (x.min(last).max(0) as usize, weight as u32)
         })
     }
 }
