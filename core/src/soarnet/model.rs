@@ -425,7 +425,7 @@ impl<'a> Reader<'a> {
                 return Err(fault(Fault::Reserved));
             }
             // Not `contains`, which leaves a panic path.
-            if weights.iter().any(|&weight| weight == 0x80) {
+            if weights.iter().any(|&weight| weight as i8 == i8::MIN) {
                 return Err(fault(Fault::Weight));
             }
             // At most 128 · 127 · 1024, so only the bias can make it too large.
