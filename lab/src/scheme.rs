@@ -50,6 +50,9 @@ pub fn needs_poses_only(name: &str) -> bool {
     matches!(name, "fps" | "pc-fps" | "random")
 }
 
+/// The exact plan of each objective, taken together.
+pub const ORACLE: &str = "oracle";
+
 /// A sentence for a name that is none.
 pub fn unknown(name: &str) -> String {
     let names: Vec<&str> = SCHEMES.iter().map(|(name, _)| *name).collect();

@@ -233,8 +233,8 @@ fn taken((number, frame, decoded): &Usable<'_>) -> Result<Taken, PhotosError> {
         why,
     })?;
     let small = [decoded.small.width(), decoded.small.height()].map(f64::from);
-    for axis in 0..2 {
-        let scale = small[axis] / lens.size[axis];
+    for (axis, side) in small.into_iter().enumerate() {
+        let scale = side / lens.size[axis];
         lens.focal[axis] *= scale;
         lens.centre[axis] *= scale;
     }

@@ -1,0 +1,272 @@
+//! How good a scheme is at the objective it plans for, and a predictor at ranking candidates.
+//!
+//! Everything is measured after the same first views: three by farthest points, from a candidate
+//! that the seed draws. From there the baseline goes on by chance, and the oracle greedily by the
+//! exact gain of one objective.
+//!
+//! **Spearman's rank correlation** of predicted with exact gains, over the candidates not yet
+//! visited, along one path for all predictors: the baseline's. For a budget B it is the mean over
+//! the states of 3 to B - 1 views, then over seeds, then over objects. States in which every
+//! candidate would gain the same have no order and are left out.
+//!
+//! **Closed gap** of objective O at budget B: what the scheme that plans for O alone reaches of the
+//! way from the baseline to the oracle, `(scheme - random) / (oracle - random)`, each a mean over
+//! seeds. Over objects it is the ratio of the two means, not the mean of ratios: an object on which
+//! the oracle gains next to nothing over chance would decide the latter.
+//!
+//! **Intervals** are 95 % bootstrap intervals over objects, see
+//! [`statistics::interval`](crate::statistics::interval). Differences are paired: of the same draw.
+
+use vantage_core::{Objective, Pose, Scores};
+
+use crate::record::{
+    DifferenceRow, Estimate, Measure, MetricRow, MetricsRecord, ObjectMetrics, OfObjective,
+};
+use crate::statistics::{self, RESAMPLES, interval, mean};
+
+/// A value for each objective, C, Q, D, T.
+pub type Four<T> = [T; 4];
+
+/// What was measured on one object with one seed.
+#[derive(Clone, Debug)]
+pub struct Run {
+    /// The object's place in the comparison; runs of one object stand together.
+    pub number: usize,
+    /// The object's name.
+    pub object: String,
+    /// The baseline's scores after 1, 2, 3 … views.
+    pub random: Vec<Scores>,
+    /// The scores of each objective's oracle, by that objective; shape (views).
+    pub oracle: Vec<Four<f32>>,
+    /// What each scheme did, in the order of the comparison.
+    pub schemes: Vec<SchemeRun>,
+}
+
+/// What one scheme did on one object with one seed.
+#[derive(Clone, Debug)]
+pub struct SchemeRun {
+    /// Its name.
+    pub scheme: String,
+    /// By objective, the score that its plan for that objective has after 1, 2, 3 … views.
+    pub scores: Vec<Four<f32>>,
+    /// Rank correlations in the states of 3, 4, 5 … views of the baseline's path; empty for a
+    /// scheme that predicts nothing.
+    pub spearman: Vec<Four<Option<f64>>>,
+}
+
+/// The rank correlations of predicted with exact gains over candidates not visited, in each state.
+///
+/// `path`: the views, in order; `from`: how many are taken in the first state. `predicted` and
+/// `exact`: shape (states, 4, candidates).
+pub fn rank_correlations(
+    path: &[usize],
+    from: usize,
+    predicted: &[Four<Vec<f32>>],
+    exact: &[Four<Vec<f32>>],
+) -> Vec<Four<Option<f64>>> {
+    let states = predicted.iter().zip(exact).enumerate();
+    states
+        .map(|(state, (predicted, exact))| {
+            let visited = &path[..from + state];
+            std::array::from_fn(|objective| {
+                let of = |gains: &[f32]| -> Vec<f64> {
+                    let open = gains.iter().enumerate().filter(|(i, _)| !visited.contains(i));
+                    open.map(|(_, &gain)| f64::from(gain)).collect()
+                };
+                statistics::spearman(&of(&predicted[objective]), &of(&exact[objective]))
+            })
+        })
+        .collect()
+}
+
+/// The distance of every candidate to the nearest view of a path, as farthest-point sampling
+/// predicts gains: the same for all objectives. Shapes as of
+/// [`Labelled::gains_along`](crate::exact::Labelled::gains_along).
+pub fn distances_along(poses: &[Pose], path: &[usize], from: usize) -> Vec<Four<Vec<f32>>> {
+    let nearest = |taken: usize| -> Vec<f32> {
+        let distance = |pose: &Pose| {
+            let to = |&view: &usize| poses[view].position().distance(pose.position());
+            path[..taken].iter().map(to).fold(f32::INFINITY, f32::min)
+        };
+        poses.iter().map(distance).collect()
+    };
+    (from..path.len()).map(|taken| std::array::from_fn(|_| nearest(taken))).collect()
+}
+
+/// One object's means over its seeds, for one scheme and budget.
+#[derive(Clone, Copy, Debug)]
+struct Means {
+    scheme: Four<f64>,
+    random: Four<f64>,
+    oracle: Four<f64>,
+    spearman: Four<Option<f64>>,
+}
+
+/// Schemes that others are compared with.
+const BASELINES: [&str; 2] = ["fps", "soarnet-poses"];
+
+/// All figures of a comparison, at the budgets beyond the first views.
+pub fn summarise(runs: &[Run], budgets: &[usize], start: usize) -> MetricsRecord {
+    let mut record = MetricsRecord {
+        resamples: RESAMPLES,
+        spearman: Vec::new(),
+        closed_gap: Vec::new(),
+        differences: Vec::new(),
+        objects: Vec::new(),
+    };
+    let schemes: Vec<&str> = runs
+        .first()
+        .map(|run| run.schemes.iter().map(|scheme| scheme.scheme.as_str()).collect())
+        .unwrap_or_default();
+    for &budget in budgets.iter().filter(|&&budget| budget > start) {
+        // Shape (schemes, objects).
+        let table: Vec<Vec<Means>> = (0..schemes.len())
+            .map(|place| by_object(runs).map(|runs| means(runs, place, budget, start)).collect())
+            .collect();
+        for (place, (&scheme, means)) in schemes.iter().zip(&table).enumerate() {
+            record.closed_gap.push(row(scheme, budget, means.len(), |drawn, objective| {
+                closed_gap(drawn.iter().map(|&object| &means[object]), objective)
+            }));
+            let ranks = means.iter().any(|means| means.spearman.iter().any(Option::is_some));
+            if ranks {
+                record.spearman.push(row(scheme, budget, means.len(), |drawn, objective| {
+                    correlation(drawn.iter().map(|&object| &means[object]), objective)
+                }));
+            }
+            for (other, &minus) in schemes.iter().enumerate() {
+                let compared = BASELINES.contains(&minus) && other != place;
+                // Farthest points are what networks are held against, not the other way round.
+                if !compared || ["random", "fps"].contains(&scheme) {
+                    continue;
+                }
+                let others = &table[other];
+                let mut difference = |measure, value: fn(&[&Means], usize) -> Option<f64>| {
+                    let of = |table: &[Means], drawn: &[usize], objective| {
+                        let drawn: Vec<&Means> =
+                            drawn.iter().map(|&object| &table[object]).collect();
+                        value(&drawn, objective)
+                    };
+                    let MetricRow { of_objective, mean, .. } =
+                        row(scheme, budget, means.len(), |drawn, objective| {
+                            Some(of(means, drawn, objective)? - of(others, drawn, objective)?)
+                        });
+                    record.differences.push(DifferenceRow {
+                        measure,
+                        scheme: scheme.to_owned(),
+                        minus: minus.to_owned(),
+                        budget,
+                        of_objective,
+                        mean,
+                    });
+                };
+                difference(Measure::ClosedGap, |drawn, objective| {
+                    closed_gap(drawn.iter().copied(), objective)
+                });
+                if ranks && others.iter().any(|m| m.spearman.iter().any(Option::is_some)) {
+                    difference(Measure::Spearman, |drawn, objective| {
+                        correlation(drawn.iter().copied(), objective)
+                    });
+                }
+            }
+            for (runs, means) in by_object(runs).zip(means) {
+                record.objects.push(object_metrics(runs, scheme, budget, means));
+            }
+        }
+    }
+    record
+}
+
+/// The runs of each object, which stand together.
+fn by_object(runs: &[Run]) -> impl Iterator<Item = &[Run]> {
+    runs.chunk_by(|a, b| a.number == b.number)
+}
+
+fn means(runs: &[Run], place: usize, budget: usize, start: usize) -> Means {
+    let over_seeds = |value: &dyn Fn(&Run) -> f32| -> f64 {
+        mean(runs.iter().map(|run| f64::from(value(run)))).unwrap_or(f64::NAN)
+    };
+    let step = budget - 1;
+    let of = |scores: &[Four<f32>], objective: usize| {
+        scores.get(step).map_or(f32::NAN, |scores| scores[objective])
+    };
+    Means {
+        scheme: std::array::from_fn(|o| over_seeds(&|run| of(&run.schemes[place].scores, o))),
+        random: Objective::ALL.map(|objective| {
+            over_seeds(&|run| run.random.get(step).map_or(f32::NAN, |s| s.get(objective)))
+        }),
+        oracle: std::array::from_fn(|o| over_seeds(&|run| of(&run.oracle, o))),
+        spearman: std::array::from_fn(|objective| {
+            let states = |run: &Run| {
+                let states = &run.schemes[place].spearman;
+                let counted = states.iter().take(budget - start);
+                mean(counted.filter_map(|state| state[objective]))
+            };
+            mean(runs.iter().filter_map(states))
+        }),
+    }
+}
+
+/// The ratio of what the scheme gains over chance to what the oracle does.
+fn closed_gap<'a>(objects: impl Iterator<Item = &'a Means>, objective: usize) -> Option<f64> {
+    let (mut scheme, mut oracle) = (0.0, 0.0);
+    for means in objects {
+        scheme += means.scheme[objective] - means.random[objective];
+        oracle += means.oracle[objective] - means.random[objective];
+    }
+    (oracle > LEAST_GAP).then(|| scheme / oracle)
+}
+
+/// An oracle that gains less than this over chance leaves no gap to close: rounding.
+const LEAST_GAP: f64 = 1e-6;
+
+fn correlation<'a>(objects: impl Iterator<Item = &'a Means>, objective: usize) -> Option<f64> {
+    mean(objects.filter_map(|means| means.spearman[objective]))
+}
+
+/// A statistic of drawn objects for each objective, and its mean over the four.
+fn row(
+    scheme: &str,
+    budget: usize,
+    objects: usize,
+    statistic: impl Fn(&[usize], usize) -> Option<f64>,
+) -> MetricRow {
+    let all: Vec<usize> = (0..objects).collect();
+    let estimate = |statistic: &dyn Fn(&[usize]) -> Option<f64>| {
+        let value = statistic(&all);
+        let interval = value.and_then(|_| interval(objects, statistic));
+        Estimate { value, low: interval.map(|i| i[0]), high: interval.map(|i| i[1]) }
+    };
+    let [coverage, geometry, diversity, texture] =
+        std::array::from_fn(|objective| estimate(&|drawn| statistic(drawn, objective)));
+    // An objective in which there is nothing to gain does not count, and none may be missing
+    // in some draws only.
+    let counted: Vec<usize> = (0..4).filter(|&o| statistic(&all, o).is_some()).collect();
+    let mean = estimate(&|drawn| {
+        let values: Option<Vec<f64>> = counted.iter().map(|&o| statistic(drawn, o)).collect();
+        mean(values?)
+    });
+    MetricRow {
+        scheme: scheme.to_owned(),
+        budget,
+        of_objective: OfObjective { coverage, geometry, diversity, texture },
+        mean,
+    }
+}
+
+fn object_metrics(runs: &[Run], scheme: &str, budget: usize, means: &Means) -> ObjectMetrics {
+    let of = |values: Four<Option<f64>>| {
+        let [coverage, geometry, diversity, texture] = values;
+        OfObjective { coverage, geometry, diversity, texture }
+    };
+    let some = |values: Four<f64>| of(values.map(Some));
+    ObjectMetrics {
+        object: runs[0].object.clone(),
+        scheme: scheme.to_owned(),
+        budget,
+        scores: some(means.scheme),
+        random: some(means.random),
+        oracle: some(means.oracle),
+        closed_gap: of(std::array::from_fn(|o| closed_gap(std::iter::once(means), o))),
+        spearman: of(means.spearman),
+    }
+}
