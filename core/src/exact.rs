@@ -35,7 +35,7 @@ impl<'a> Exact<'a> {
 }
 
 impl<'a> Scorer for Exact<'a> {
-    type Shot = Sighting<'a>;
+    type Shot<'s> = Sighting<'a>;
     type Error = Infallible;
 
     fn observe(&mut self, pose: &Pose, shot: &Sighting<'a>) -> Result<(), Infallible> {

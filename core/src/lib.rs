@@ -11,8 +11,10 @@
 //! pose, camera    conventions, stated once           math    float functions, the same everywhere
 //! candidates      view spaces: where a camera may stand, and what it can reach
 //! objectives      coverage C, geometry Q, diversity D, texture T: exact, constant memory per face
+//! kernels         int8 arithmetic, the same bits everywhere
 //! planner         schemes, greedy choice, stop rule, tour; the session and its snapshots
 //! Exact           the scorer that knows what each candidate sees of a mesh
+//! soarnet         the scorer that predicts from photos: model file, encoder, heads
 //! ```
 //!
 //! A whole capture of an object, here a cube of six faces whose visibility is known:
@@ -70,7 +72,9 @@ extern crate std;
 
 pub mod camera;
 pub mod candidates;
+mod checksum;
 mod exact;
+pub mod kernels;
 pub mod math;
 pub mod objectives;
 pub mod planner;

@@ -2,14 +2,10 @@
 
 use core::fmt;
 
-use crc::{CRC_32_ISO_HDLC, Crc};
 use serde::{Serialize, de::DeserializeOwned};
 
 /// The version of snapshots that is written, and the only one that is read.
 pub const VERSION: u16 = 1;
-
-/// The checksum of snapshots, and of what must not be mixed.
-pub(crate) const CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
 /// Why a snapshot cannot be written or read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

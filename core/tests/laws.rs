@@ -225,7 +225,7 @@ fn ties_go_to_the_lowest_index() {
 struct Says<F>(F);
 
 impl<F: Fn(usize) -> f32> Scorer for Says<F> {
-    type Shot = ();
+    type Shot<'s> = ();
     type Error = core::convert::Infallible;
 
     fn observe(&mut self, _pose: &Pose, _shot: &()) -> Result<(), Self::Error> {

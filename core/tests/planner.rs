@@ -30,7 +30,7 @@ struct Counted<'a> {
 }
 
 impl<'a> Scorer for Counted<'a> {
-    type Shot = Sighting<'a>;
+    type Shot<'s> = Sighting<'a>;
     type Error = Infallible;
 
     fn observe(&mut self, pose: &Pose, shot: &Sighting<'a>) -> Result<(), Infallible> {
@@ -347,10 +347,10 @@ impl fmt::Display for Blurred {
 impl core::error::Error for Blurred {}
 
 impl Scorer for Promises {
-    type Shot = Result<(), Blurred>;
+    type Shot<'s> = Result<(), Blurred>;
     type Error = Blurred;
 
-    fn observe(&mut self, _pose: &Pose, shot: &Self::Shot) -> Result<(), Blurred> {
+    fn observe(&mut self, _pose: &Pose, shot: &Self::Shot<'_>) -> Result<(), Blurred> {
         (*shot)?;
         self.photos += 1;
         Ok(())

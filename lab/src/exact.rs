@@ -138,7 +138,7 @@ impl Labelled {
 struct Parallel<'a>(Exact<'a>);
 
 impl<'a> Scorer for Parallel<'a> {
-    type Shot = Sighting<'a>;
+    type Shot<'s> = Sighting<'a>;
     type Error = Infallible;
 
     fn observe(&mut self, pose: &Pose, shot: &Sighting<'a>) -> Result<(), Infallible> {

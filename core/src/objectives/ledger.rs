@@ -18,7 +18,9 @@ use super::reading::{Form, Reading};
 use super::scores::{Objective, Scores};
 use super::surface::{Face, Sighting, Surface};
 #[cfg(feature = "serde")]
-use crate::record::{CRC, Sink, SnapshotError, Source};
+use crate::checksum::CRC;
+#[cfg(feature = "serde")]
+use crate::record::{Sink, SnapshotError, Source};
 
 /// What is known of one face. The caller owns an array of these, one for each face.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -10,15 +10,16 @@ use crate::pose::Pose;
 ///
 /// The greedy choice knows nothing else of it.
 pub trait Scorer {
-    /// What a photo brings: its picture, or what is seen in it.
-    type Shot: ?Sized;
+    /// What a photo brings: its picture, or what is seen in it. It is borrowed only while it is taken
+    /// in, so that one buffer serves all photos.
+    type Shot<'s>: ?Sized;
     /// Why a photo cannot be used.
     type Error: core::error::Error;
 
     /// Takes in a photo that was taken at `pose`.
     ///
     /// After an error nothing has changed.
-    fn observe(&mut self, pose: &Pose, shot: &Self::Shot) -> Result<(), Self::Error>;
+    fn observe(&mut self, pose: &Pose, shot: &Self::Shot<'_>) -> Result<(), Self::Error>;
 
     /// What one more photo, of candidate `index` at `pose`, is expected to add to an objective.
     ///
@@ -55,7 +56,7 @@ pub trait Scorer {
 pub struct Blind;
 
 impl Scorer for Blind {
-    type Shot = ();
+    type Shot<'s> = ();
     type Error = Infallible;
 
     fn observe(&mut self, _pose: &Pose, _shot: &()) -> Result<(), Infallible> {

@@ -256,7 +256,7 @@ impl<S: Scorer, M: Memory> Session<S, M> {
         &mut self,
         index: usize,
         pose: Pose,
-        shot: &S::Shot,
+        shot: &S::Shot<'_>,
     ) -> Result<(), ObserveError<S::Error>> {
         self.candidate(index).map_err(ObserveError::Session)?;
         self.take_in(Some(index), pose, shot)
@@ -266,7 +266,7 @@ impl<S: Scorer, M: Memory> Session<S, M> {
     pub fn observe_elsewhere(
         &mut self,
         pose: Pose,
-        shot: &S::Shot,
+        shot: &S::Shot<'_>,
     ) -> Result<(), ObserveError<S::Error>> {
         self.take_in(None, pose, shot)
     }
@@ -275,7 +275,7 @@ impl<S: Scorer, M: Memory> Session<S, M> {
         &mut self,
         index: Option<usize>,
         pose: Pose,
-        shot: &S::Shot,
+        shot: &S::Shot<'_>,
     ) -> Result<(), ObserveError<S::Error>> {
         let capacity = self.memory.view_capacity();
         if self.memory.views().len() >= capacity {

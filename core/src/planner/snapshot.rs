@@ -36,8 +36,9 @@ use super::memory::{Candidate, Memory, Status, View};
 use super::plan::Plan;
 use super::scorer::{Blind, Scorer};
 use super::session::Session;
+use crate::checksum::CRC;
 use crate::pose::Pose;
-use crate::record::{CRC, Sink, SnapshotError, Source, VERSION};
+use crate::record::{Sink, SnapshotError, Source, VERSION};
 
 const MAGIC: [u8; 4] = *b"VNTG";
 const HEADER: usize = 10;

@@ -27,13 +27,38 @@ const ONE: i32 = 1 << 14;
 
 /// A unit vector, each coordinate in units of 2^-14.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(try_from = "[i32; 3]", into = "[i32; 3]"))]
 pub struct Direction {
     x: i32,
     y: i32,
     z: i32,
 }
 
+#[cfg(feature = "serde")]
+impl From<Direction> for [i32; 3] {
+    fn from(Direction { x, y, z }: Direction) -> Self {
+        [x, y, z]
+    }
+}
+
+/// Refuses what is no unit vector but for the rounding of its coordinates.
+#[cfg(feature = "serde")]
+impl TryFrom<[i32; 3]> for Direction {
+    type Error = &'static str;
+
+    fn try_from([x, y, z]: [i32; 3]) -> Result<Self, Self::Error> {
+        let squared: i64 = [x, y, z].into_iter().map(|part| i64::from(part).pow(2)).sum();
+        // Half a unit in each coordinate changes the length by less than one.
+        let (least, most) = (i64::from(ONE - 1).pow(2), i64::from(ONE + 1).pow(2));
+        if (least..=most).contains(&squared) { Ok(Self { x, y, z }) } else { Err("no direction") }
+    }
+}
+
 impl Direction {
+    /// What memory holds before there is one.
+    pub(super) const NONE: Self = Self { x: 0, y: 0, z: 0 };
+
     /// The direction of a vector of any length but zero, NaN and infinity.
     pub fn try_from_vector(vector: Vec3) -> Option<Self> {
         let Vec3 { x, y, z } = math::unit(vector).filter(|unit| unit.is_finite())?;
@@ -77,6 +102,7 @@ impl Direction {
 
 /// Where a view was taken from, and how its camera was held.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Stance {
     /// From the object's centre to the camera, in the world.
     pub direction: Direction,
@@ -87,6 +113,14 @@ pub struct Stance {
 }
 
 impl Stance {
+    /// What memory holds before there is one.
+    pub(super) const NONE: Self = Self {
+        direction: Direction::NONE,
+        right: Direction::NONE,
+        up: Direction::NONE,
+        back: Direction::NONE,
+    };
+
     /// Of a camera at `pose`, around `centre` (world, metres); `None` where it stands on the centre.
     pub fn try_new(pose: &Pose, centre: Vec3) -> Option<Self> {
         Some(Self {

@@ -160,7 +160,7 @@ pub fn texture_total(faces: usize, photos: &[Photo], discount: f32) -> f32 {
 /// Takes the photo of every view the session asks for, where it asks for it; gives the indices.
 pub fn follow<'a, S>(session: &mut Session<S, Room>, sightings: &[Sighting<'a>]) -> Vec<usize>
 where
-    S: Scorer<Shot = Sighting<'a>>,
+    S: for<'s> Scorer<Shot<'s> = Sighting<'a>>,
 {
     let mut plan = Vec::new();
     while let Some(next) = session.next_view() {

@@ -1,0 +1,129 @@
+//! Where the network keeps what it knows of candidates and views.
+
+use super::encoder::Scratch;
+use super::features::{Direction, Stance};
+
+/// What is kept, to read. `H` and `E` are the model's; lists may be longer than what is in use.
+#[derive(Clone, Copy, Debug)]
+pub struct Lists<'a> {
+    /// Sums of the tokens of all views, shape (candidates, H).
+    pub sums: &'a [i16],
+    /// Maxima of the same, shape (candidates, H).
+    pub maxima: &'a [i8],
+    /// Rank scores, shape (candidates, 4).
+    pub ranks: &'a [[i32; 4]],
+    /// Embeddings of the photos, shape (views, E).
+    pub embeddings: &'a [i8],
+    /// Where the photos were taken, shape (views).
+    pub stances: &'a [Stance],
+}
+
+/// What is kept, to change. Shapes as in [`Lists`].
+#[derive(Debug)]
+pub struct ListsMut<'a> {
+    /// Where the candidates lie, shape (candidates).
+    pub directions: &'a mut [Direction],
+    /// Sums of the tokens of all views, shape (candidates, H).
+    pub sums: &'a mut [i16],
+    /// Maxima of the same, shape (candidates, H).
+    pub maxima: &'a mut [i8],
+    /// Rank scores, shape (candidates, 4).
+    pub ranks: &'a mut [[i32; 4]],
+    /// Embeddings of the photos, shape (views, E).
+    pub embeddings: &'a mut [i8],
+    /// Where the photos were taken, shape (views).
+    pub stances: &'a mut [Stance],
+    /// Where photos are encoded.
+    pub scratch: &'a mut Scratch,
+}
+
+/// Memory of a [`SoarNet`](super::SoarNet), of lengths that do not change. [`Fixed`] is the one for a
+/// controller; a host may keep the lists on its heap.
+pub trait Memory {
+    /// To read.
+    fn lists(&self) -> Lists<'_>;
+    /// To change.
+    fn lists_mut(&mut self) -> ListsMut<'_>;
+}
+
+impl<M: Memory + ?Sized> Memory for &mut M {
+    fn lists(&self) -> Lists<'_> {
+        (**self).lists()
+    }
+
+    fn lists_mut(&mut self) -> ListsMut<'_> {
+        (**self).lists_mut()
+    }
+}
+
+/// Room for a fixed number of candidates and views of a network with tokens of `WIDTH` and embeddings
+/// of `EMBEDDING`, without a heap.
+///
+/// A smaller network fits too. 128 candidates and 64 views of the default sizes take 77 KiB, of which
+/// 28 KiB are to encode photos in.
+#[derive(Clone, Debug)]
+pub struct Fixed<
+    const CANDIDATES: usize,
+    const VIEWS: usize,
+    const WIDTH: usize = 96,
+    const EMBEDDING: usize = 96,
+> {
+    directions: [Direction; CANDIDATES],
+    sums: [[i16; WIDTH]; CANDIDATES],
+    maxima: [[i8; WIDTH]; CANDIDATES],
+    ranks: [[i32; 4]; CANDIDATES],
+    embeddings: [[i8; EMBEDDING]; VIEWS],
+    stances: [Stance; VIEWS],
+    scratch: Scratch,
+}
+
+impl<const CANDIDATES: usize, const VIEWS: usize, const WIDTH: usize, const EMBEDDING: usize>
+    Fixed<CANDIDATES, VIEWS, WIDTH, EMBEDDING>
+{
+    /// Empty memory: zeros, which cost no flash in a `static`.
+    pub const fn new() -> Self {
+        Self {
+            directions: [Direction::NONE; CANDIDATES],
+            sums: [[0; WIDTH]; CANDIDATES],
+            maxima: [[0; WIDTH]; CANDIDATES],
+            ranks: [[0; 4]; CANDIDATES],
+            embeddings: [[0; EMBEDDING]; VIEWS],
+            stances: [Stance::NONE; VIEWS],
+            scratch: Scratch::new(),
+        }
+    }
+}
+
+impl<const CANDIDATES: usize, const VIEWS: usize, const WIDTH: usize, const EMBEDDING: usize>
+    Default for Fixed<CANDIDATES, VIEWS, WIDTH, EMBEDDING>
+{
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<const CANDIDATES: usize, const VIEWS: usize, const WIDTH: usize, const EMBEDDING: usize> Memory
+    for Fixed<CANDIDATES, VIEWS, WIDTH, EMBEDDING>
+{
+    fn lists(&self) -> Lists<'_> {
+        Lists {
+            sums: self.sums.as_flattened(),
+            maxima: self.maxima.as_flattened(),
+            ranks: &self.ranks,
+            embeddings: self.embeddings.as_flattened(),
+            stances: &self.stances,
+        }
+    }
+
+    fn lists_mut(&mut self) -> ListsMut<'_> {
+        ListsMut {
+            directions: &mut self.directions,
+            sums: self.sums.as_flattened_mut(),
+            maxima: self.maxima.as_flattened_mut(),
+            ranks: &mut self.ranks,
+            embeddings: self.embeddings.as_flattened_mut(),
+            stances: &mut self.stances,
+            scratch: &mut self.scratch,
+        }
+    }
+}
