@@ -8,6 +8,7 @@ mod heap;
 pub mod label;
 pub mod mesh;
 pub mod metrics;
+pub mod network;
 pub mod object;
 pub mod photos;
 pub mod pool;

@@ -270,3 +270,106 @@ fn object_metrics(runs: &[Run], scheme: &str, budget: usize, means: &Means) -> O
         spearman: of(means.spearman),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PATH: [usize; 5] = [4, 0, 2, 3, 1];
+
+    /// One object with one seed; scores are the same in all objectives and after any view.
+    fn run(number: usize, [random, mine, oracle]: [f32; 3], spearman: f64) -> Run {
+        let four = |score: f32| vec![[score; 4]; 5];
+        let [coverage, geometry, diversity, texture] = [random; 4];
+        let states = vec![[Some(spearman); 4], [Some(spearman), None, Some(0.0), Some(spearman)]];
+        let scheme = |name: &str, score, spearman| SchemeRun {
+            scheme: name.to_owned(),
+            scores: four(score),
+            spearman,
+        };
+        Run {
+            number,
+            object: format!("object {number}"),
+            random: vec![Scores { coverage, geometry, diversity, texture }; 5],
+            oracle: four(oracle),
+            schemes: vec![scheme("fps", random, vec![]), scheme("mine", mine, states)],
+        }
+    }
+
+    fn near(estimate: Estimate, expected: f64) {
+        let value = estimate.value.unwrap();
+        assert!((value - expected).abs() < 1e-6, "{value} {expected}");
+    }
+
+    #[test]
+    fn closed_gaps_are_ratios_of_means() {
+        // Of 0.4 the scheme closes 0.2, of 0.1 it closes 0.1: 0.3 of 0.5 together. Two seeds each.
+        let runs = [
+            run(0, [0.4, 0.6, 0.8], 0.5),
+            run(0, [0.4, 0.6, 0.8], 0.7),
+            run(1, [0.5, 0.6, 0.6], 0.8),
+            run(1, [0.5, 0.6, 0.6], 0.8),
+        ];
+        let record = summarise(&runs, &[3, 5], 3);
+        let row = |name| record.closed_gap.iter().find(|row| row.scheme == name).unwrap();
+        assert!(record.closed_gap.iter().all(|row| row.budget == 5));
+        near(row("mine").of_objective.coverage, 0.6);
+        near(row("mine").mean, 0.6);
+        near(row("fps").mean, 0.0);
+        // Draws of one object alone have 0.5 and 1.
+        let Estimate { low, high, .. } = row("mine").mean;
+        assert!((low.unwrap() - 0.5).abs() < 1e-6 && (high.unwrap() - 1.0).abs() < 1e-6);
+        let [first, ..] =
+            record.objects.iter().filter(|o| o.scheme == "mine").collect::<Vec<_>>()[..]
+        else {
+            panic!("no objects")
+        };
+        assert!((first.closed_gap.texture.unwrap() - 0.5).abs() < 1e-6);
+        let [difference] = record.differences.as_slice() else { panic!("one difference") };
+        assert_eq!((difference.measure, difference.minus.as_str()), (Measure::ClosedGap, "fps"));
+        near(difference.mean, 0.6);
+    }
+
+    #[test]
+    fn rank_correlations_are_means_over_states_then_seeds_then_objects() {
+        let scores = [0.4, 0.6, 0.8];
+        let runs = [run(0, scores, 0.5), run(0, scores, 0.7), run(1, scores, 0.8)];
+        let record = summarise(&runs, &[4, 5], 3);
+        let [four, five] = record.spearman.as_slice() else { panic!("one predictor, two budgets") };
+        assert_eq!((four.budget, five.budget), (4, 5));
+        near(four.of_objective.coverage, (0.6 + 0.8) / 2.0);
+        near(five.of_objective.coverage, (0.6 + 0.8) / 2.0);
+        near(five.of_objective.geometry, (0.6 + 0.8) / 2.0); // states without an order do not count
+        near(five.of_objective.diversity, (0.3 + 0.4) / 2.0);
+    }
+
+    #[test]
+    fn where_nothing_can_be_gained_there_is_no_gap() {
+        let record = summarise(&[run(0, [0.5, 0.5, 0.5], 1.0)], &[5], 3);
+        assert_eq!(record.closed_gap[1].of_objective.coverage.value, None);
+        assert_eq!(record.closed_gap[1].mean.value, None);
+        assert_eq!(record.spearman[0].mean.low, None); // one object has no interval
+    }
+
+    #[test]
+    fn visited_candidates_do_not_count() {
+        let gains = |values: [f32; 5]| -> Four<Vec<f32>> { std::array::from_fn(|_| values.into()) };
+        // 4, 0 and 2 are visited: of 1 and 3 the order is right, then wrong.
+        let exact = [gains([9.0, 1.0, 9.0, 2.0, 9.0])];
+        let right = [gains([0.0, 0.3, 5.0, 0.4, 7.0])];
+        let wrong = [gains([0.0, 0.4, 5.0, 0.3, 7.0])];
+        assert_eq!(rank_correlations(&PATH, 3, &right, &exact), [[Some(1.0); 4]]);
+        assert_eq!(rank_correlations(&PATH, 3, &wrong, &exact), [[Some(-1.0); 4]]);
+    }
+
+    #[test]
+    fn farthest_points_predict_the_distance_to_the_nearest_view() {
+        let at =
+            |x: f32| Pose::looking_at(vantage_core::Vec3::new(x, 1.0, 0.0), Default::default());
+        let poses: Vec<Pose> = [0.0, 1.0, 3.0, 7.0, 4.0].map(|x| at(x).unwrap()).into();
+        let gains = distances_along(&poses, &PATH, 3);
+        assert_eq!(gains.len(), 2);
+        assert_eq!(gains[0][0], [0.0, 1.0, 0.0, 3.0, 0.0]);
+        assert_eq!(gains[1][3], [0.0, 1.0, 0.0, 0.0, 0.0]);
+    }
+}

@@ -5,15 +5,17 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
+use image::RgbImage;
 use indicatif::ProgressBar;
 use rayon::prelude::*;
 use vantage_core::planner::Plan;
 use vantage_core::{Camera, Objective, Pose, Scores};
 
-use super::ScoreArgs;
+use super::{ModelArgs, ScoreArgs};
 use crate::exact::{Labelled, Step};
 use crate::mesh::Chance;
 use crate::metrics;
+use crate::network::{self, Network};
 use crate::object::Object;
 use crate::pool::PoolArgs;
 use crate::record::{
@@ -33,8 +35,9 @@ pub struct CompareArgs {
     /// --object-seed: never trained on
     #[arg(long, value_name = "N")]
     pub procedural: Option<usize>,
-    /// Schemes, separated by commas: those of `plan`, and oracle (c, q, d and t: the exact plan of
-    /// each objective). With oracle, rank correlations and closed gaps are measured too
+    /// Schemes, separated by commas: those of `plan`, where soarnet and soarnet-poses bring their
+    /// plans of each objective along, and oracle (c, q, d and t: the exact plan of each objective).
+    /// With oracle or a network, rank correlations and closed gaps are measured too
     #[arg(long, value_delimiter = ',', default_value = "random,fps,e,c,q,d,t,sum")]
     pub schemes: Vec<String>,
     /// Budgets, separated by commas
@@ -43,6 +46,8 @@ pub struct CompareArgs {
     /// Runs of each scheme, with seeds 0, 1, 2 …
     #[arg(long, default_value_t = 5, value_name = "N")]
     pub seeds: u64,
+    #[command(flatten)]
+    pub model: ModelArgs,
     #[command(flatten)]
     pub pool: PoolArgs,
     /// Draw other candidates from the sphere for each object and each seed
@@ -92,7 +97,8 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     scheme::plan("e", most, 0).context("the ensemble")?.check(poses.len())?;
 
     let camera = args.score.camera()?;
-    let comparison = Comparison { args, poses: &poses, camera: &camera, most };
+    let networks = networks_of(args)?;
+    let comparison = Comparison { args, poses: &poses, camera: &camera, most, networks };
 
     let bar = super::progress("comparing", objects.len() * comparison.views_labelled());
     let compared = |(number, name): (usize, &String)| -> Option<Compared> {
@@ -147,6 +153,17 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     Ok(())
 }
 
+/// The networks that the schemes ask.
+fn networks_of(args: &CompareArgs) -> Result<Vec<(scheme::Network, Network)>> {
+    let mut networks: Vec<(scheme::Network, Network)> = Vec::new();
+    for (network, _) in args.schemes.iter().filter_map(|scheme| scheme::network(scheme)) {
+        if !networks.iter().any(|(known, _)| *known == network) {
+            networks.push((network, args.model.open(network)?));
+        }
+    }
+    Ok(networks)
+}
+
 /// Names of the first objects of a data set's test split.
 fn procedural(seed: u64, count: usize) -> Result<Vec<String>> {
     if !(1..=10_000).contains(&count) {
@@ -191,12 +208,20 @@ struct Comparison<'a> {
     poses: &'a [Pose],
     camera: &'a Camera,
     most: usize, // the largest budget
+    networks: Vec<(scheme::Network, Network)>,
 }
 
 impl Comparison<'_> {
     /// Whether rank correlations and closed gaps are wanted.
     fn is_measured(&self) -> bool {
-        self.args.schemes.iter().any(|scheme| scheme == scheme::ORACLE)
+        let oracle = self.args.schemes.iter().any(|scheme| scheme == scheme::ORACLE);
+        oracle || !self.networks.is_empty()
+    }
+
+    /// The network that a scheme asks.
+    fn network_of(&self, scheme: &str) -> Option<&Network> {
+        let (asked, _) = scheme::network(scheme)?;
+        self.networks.iter().find(|(known, _)| *known == asked).map(|(_, network)| network)
     }
 
     /// Candidates that are labelled for each object.
@@ -221,6 +246,7 @@ impl Comparison<'_> {
         };
         let mut compared = Compared::default();
         let common = (!args.random_candidates).then(|| label(self.poses.to_vec()));
+        let mut photos = Vec::new();
         for seed in 0..args.seeds {
             let (pool_seed, own);
             let labelled = match &common {
@@ -235,7 +261,19 @@ impl Comparison<'_> {
                     &own
                 }
             };
-            let one = OneSeed { comparison: self, object: &object, labelled, seed, pool_seed };
+            if photos.is_empty() || args.random_candidates {
+                let wanted = !self.networks.is_empty();
+                photos =
+                    if wanted { network::photos(&object.mesh, &labelled.poses)? } else { vec![] };
+            }
+            let one = OneSeed {
+                comparison: self,
+                name: &object.name,
+                labelled,
+                photos: &photos,
+                seed,
+                pool_seed,
+            };
             one.compare(number, &mut compared)?;
         }
         Ok(compared)
@@ -251,8 +289,9 @@ fn seed_of(name: &str, seed: u64) -> u64 {
 /// One object with its candidates and one seed.
 struct OneSeed<'a> {
     comparison: &'a Comparison<'a>,
-    object: &'a Object,
+    name: &'a str,
     labelled: &'a Labelled,
+    photos: &'a [RgbImage], // (candidates); empty where no network asks
     seed: u64,
     pool_seed: Option<u64>,
 }
@@ -279,7 +318,7 @@ impl OneSeed<'_> {
             for &budget in &args.budgets {
                 let Some(step) = steps.get(budget - 1) else { continue };
                 let row = ComparisonRow {
-                    object: self.object.name.clone(),
+                    object: self.name.to_owned(),
                     scheme: name.to_owned(),
                     budget,
                     seed: self.seed,
@@ -301,7 +340,16 @@ impl OneSeed<'_> {
 
     fn steps_of(&self, name: &str) -> Result<Vec<Step>> {
         let plan = scheme::plan(name, self.comparison.most, self.seed);
-        self.labelled.run(plan.with_context(|| scheme::unknown(name))?, || {})
+        let plan = plan.with_context(|| scheme::unknown(name))?;
+        match self.comparison.network_of(name) {
+            None => self.labelled.run(plan, || {}),
+            Some(network) => network.run(self.labelled, self.photo(), plan, || {}),
+        }
+    }
+
+    /// What a candidate's camera takes.
+    fn photo(&self) -> impl Fn(usize) -> RgbImage {
+        |index| self.photos[index].clone()
     }
 
     /// Rank correlations and scores for closed gaps, of plans that are done.
@@ -321,10 +369,14 @@ impl OneSeed<'_> {
             (0..length).map(score).collect()
         };
         let scores_of = |steps: &[Step]| steps.iter().map(|step| step.scores).collect();
-        let scheme = |scheme: &String| {
-            let predicted = match scheme.as_str() {
-                "fps" => Some(metrics::distances_along(&self.labelled.poses, &path, start)),
-                scheme::ORACLE => Some(exact.clone()),
+        let scheme = |scheme: &String| -> Result<metrics::SchemeRun> {
+            let poses = &self.labelled.poses;
+            let predicted = match (scheme.as_str(), self.comparison.network_of(scheme)) {
+                (_, Some(network)) => {
+                    Some(network.gains_along(poses, self.photo(), &path, start)?)
+                }
+                ("fps", _) => Some(metrics::distances_along(poses, &path, start)),
+                (scheme::ORACLE, _) => Some(exact.clone()),
                 _ => None,
             };
             let spearman = predicted.map_or(Vec::new(), |predicted| {
@@ -335,32 +387,43 @@ impl OneSeed<'_> {
                 "random" => random.clone(),
                 _ => scores_of(&done[plan_for(scheme, objective)]),
             });
-            metrics::SchemeRun { scheme: scheme.clone(), scores, spearman }
+            Ok(metrics::SchemeRun { scheme: scheme.clone(), scores, spearman })
         };
         Ok(metrics::Run {
             number,
-            object: self.object.name.clone(),
-            schemes: self.comparison.args.schemes.iter().map(scheme).collect(),
+            object: self.name.to_owned(),
+            schemes: self.comparison.args.schemes.iter().map(scheme).collect::<Result<_>>()?,
             oracle: scores(&|objective| scores_of(&done[scheme::oracle(objective)])),
             random,
         })
     }
 }
 
-/// The plans that a scheme of a comparison stands for.
+/// The plans that a scheme of a comparison stands for: the first is its own.
 fn plans_of(scheme: &str) -> Vec<&str> {
-    match scheme {
-        scheme::ORACLE => Objective::ALL.map(scheme::oracle).to_vec(),
-        plain => vec![plain],
+    match (scheme, family(scheme)) {
+        (scheme::ORACLE, _) => Objective::ALL.map(scheme::oracle).to_vec(),
+        (_, Some(network)) => {
+            let singles = Objective::ALL.map(|objective| network.single(objective));
+            [scheme].into_iter().chain(singles).collect()
+        }
+        _ => vec![scheme],
     }
 }
 
 /// The plan of a scheme for one objective.
 fn plan_for(scheme: &str, objective: Objective) -> &str {
-    match scheme {
-        scheme::ORACLE => scheme::oracle(objective),
-        plain => plain,
+    match (scheme, family(scheme)) {
+        (scheme::ORACLE, _) => scheme::oracle(objective),
+        (_, Some(network)) => network.single(objective),
+        _ => scheme,
     }
+}
+
+/// The network whose plans of each objective belong to a scheme.
+fn family(scheme: &str) -> Option<scheme::Network> {
+    let networks = [scheme::Network::Soarnet, scheme::Network::Poses];
+    networks.into_iter().find(|network| network.name() == scheme)
 }
 
 /// All plans that have rows, each once, in the order of the schemes.
@@ -512,6 +575,39 @@ fn metrics_table(metrics: &MetricsRecord) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn schemes_stand_for_plans() {
+        let schemes = ["fps", "oracle", "soarnet", "c"].map(str::to_owned);
+        let rows = [
+            "fps",
+            "c",
+            "q",
+            "d",
+            "t",
+            "soarnet",
+            "soarnet-c",
+            "soarnet-q",
+            "soarnet-d",
+            "soarnet-t",
+        ];
+        assert_eq!(rows_of(&schemes), rows);
+        assert_eq!(plan_for("soarnet-poses", Objective::Texture), "soarnet-poses-t");
+        assert_eq!(plan_for("soarnet-q", Objective::Texture), "soarnet-q");
+        assert_eq!(plan_for("oracle", Objective::Diversity), "d");
+    }
+
+    #[test]
+    fn procedural_objects_are_of_the_test_split() {
+        let names = procedural(0, 12).unwrap();
+        assert_eq!(names, procedural(0, 12).unwrap());
+        assert_ne!(names, procedural(1, 12).unwrap());
+        assert!(names.iter().any(|name| name.starts_with("class:fan:")));
+        for name in &names {
+            Object::open(Some(name), 0).unwrap();
+        }
+        assert!(procedural(0, 0).is_err());
+    }
 
     #[test]
     fn mean_and_spread_of_known_values() {

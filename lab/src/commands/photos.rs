@@ -11,6 +11,7 @@ use vantage_core::{Pose, Scores, Vec3};
 use super::plan::{self, PlanArgs};
 use crate::export::Staging;
 use crate::heap::Heap;
+use crate::network::{self, Network};
 use crate::photos::words::{azimuth_deg, elevation_deg, way};
 use crate::photos::{Capture, Known, Layout, Photo};
 use crate::pool::{self, PoolArgs};
@@ -49,9 +50,6 @@ fn three(text: &str) -> Result<[f64; 3], String> {
     numbers.try_into().map_err(|_| "three numbers with commas between them are needed".to_owned())
 }
 
-/// The scheme, if none is named.
-const DEFAULT: &str = "fps";
-
 /// So far from each other, in degrees, are the views named, where there are such views.
 const APART_DEG: f32 = 30.0;
 
@@ -67,10 +65,14 @@ struct Candidate {
 /// Names the next views.
 pub fn run(args: &PlanArgs, folder: &Path) -> Result<()> {
     // Whatever can be refused is refused before the long work.
-    let scheme = args.scheme.as_deref().unwrap_or(DEFAULT);
+    let scheme = args.scheme.as_deref().unwrap_or(super::default_scheme(&args.model, "fps"));
     plan::with_options(args, scheme, 1)?;
-    if !scheme::needs_poses_only(scheme) {
-        bail!("the scheme {scheme} needs a mesh: from photos choose one of fps, pc-fps, random");
+    let network = args.model.network_of(scheme)?;
+    if network.is_none() && !scheme::needs_poses_only(scheme) {
+        bail!(
+            "the scheme {scheme} needs a mesh: from photos choose soarnet, soarnet-c, -q, -d, -t or \
+             -sum, fps, pc-fps, or random"
+        );
     }
     if args.photos.next == 0 {
         bail!("--next is 0: ask for at least one view");
@@ -100,7 +102,8 @@ pub fn run(args: &PlanArgs, folder: &Path) -> Result<()> {
     let candidates = candidates(&pool, &capture.layout)?;
     let plan = plan::with_options(args, scheme, capture.photos.len() + 1)?;
     let poses = candidates.iter().map(|candidate| candidate.pose).collect();
-    let (next, scores) = propose(args.photos.next, &capture.photos, poses, plan)?;
+    let count = args.photos.next;
+    let (next, scores) = propose(count, &capture.photos, poses, plan, network.as_ref())?;
     seconds.plan = start.elapsed().as_secs_f64();
 
     let record = PhotosRecord {
@@ -179,7 +182,7 @@ fn candidates(args: &PoolArgs, layout: &Layout) -> Result<Vec<Candidate>> {
     given.into_iter().enumerate().map(candidate).collect()
 }
 
-/// The next views by a plan, with the scores of the photos where the scheme knows any.
+/// The next views by a plan, with the scores of the photos where a network predicts them.
 ///
 /// The scorer is chosen here and nowhere else.
 fn propose(
@@ -187,12 +190,24 @@ fn propose(
     photos: &[Photo],
     candidates: Vec<Pose>,
     plan: Plan,
+    network: Option<&Network>,
 ) -> Result<(Vec<NextView>, Option<Scores>)> {
-    let mut session = Session::try_new(Heap::default(), candidates, Blind, plan)?;
+    let Some(network) = network else {
+        let mut session = Session::try_new(Heap::default(), candidates, Blind, plan)?;
+        for photo in photos {
+            session.observe_elsewhere(photo.pose, &())?;
+        }
+        return Ok((apart(&mut session, count)?, None));
+    };
+    let scorer = network.scorer(&candidates, photos.len())?;
+    let mut session = Session::try_new(Heap::default(), candidates, scorer, plan)?;
     for photo in photos {
-        session.observe_elsewhere(photo.pose, &())?;
+        let observed = session.observe_elsewhere(photo.pose, &network::shot(&photo.window)?);
+        observed
+            .with_context(|| format!("photo {}, {}, cannot be used", photo.number, photo.file))?;
     }
-    Ok((apart(&mut session, count)?, None))
+    let scores = session.scores();
+    Ok((apart(&mut session, count)?, Some(scores)))
 }
 
 /// The next view, and others in case it and its neighbours cannot be reached.
@@ -293,6 +308,12 @@ fn table(record: &PhotosRecord) -> String {
         "the object: around ({x:.3}, {y:.3}, {z:.3}), radius {:.3}, seen from {:.3} in the middle\n",
         record.radius, record.distance
     );
+    if let Some(Scores { coverage, geometry, diversity, texture }) = record.scores {
+        text += &format!(
+            "predicted scores so far: coverage {coverage:.3}, geometry {geometry:.3}, diversity \
+             {diversity:.3}, texture {texture:.3}\n"
+        );
+    }
     for note in &record.notes {
         text += &format!("note: {note}\n");
     }
