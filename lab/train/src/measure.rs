@@ -1,0 +1,105 @@
+//! How well a network ranks views, on objects it was not trained on.
+
+use burn::tensor::Device;
+use rand::SeedableRng;
+use rand_pcg::Pcg64;
+use serde::{Deserialize, Serialize};
+
+use crate::net::{Network, OBJECTIVES};
+use crate::samples::{Ask, Batch, Object};
+
+/// Fewest and most views of the states that are measured: after the first look, up to one before
+/// the budget of 12.
+const COUNTS: std::ops::Range<usize> = 3..12;
+
+/// Means over states of held-out objects, by objective C, Q, D, T.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Measured {
+    /// Spearman's rank correlation of predicted and exact gains over the views not yet taken.
+    pub spearman: [f32; OBJECTIVES],
+    /// Of what the best view would gain more than a mean one, the share that the chosen view does.
+    pub share: [f32; OBJECTIVES],
+}
+
+impl Measured {
+    /// One number to tell which network is better.
+    pub fn mean(&self) -> f32 {
+        (self.spearman.iter().sum::<f32>() + self.share.iter().sum::<f32>()) / 8.0
+    }
+}
+
+/// Measures a network over all walks' first `walks`, its photos unchanged.
+pub fn measure(net: &Network, objects: &[Object], walks: usize, device: &Device) -> Measured {
+    let mut chance = Pcg64::seed_from_u64(0);
+    let ask = Ask {
+        views: COUNTS.end - 1,
+        counts: COUNTS.collect(),
+        candidates: usize::MAX,
+        augment: false,
+        photos: net.encoder.is_some(),
+    };
+    let mut sums = [[0f64; 3]; OBJECTIVES]; // correlation, share, states
+    for walk in 0..walks {
+        for group in objects.chunks(4) {
+            let group: Vec<&Object> = group.iter().collect();
+            let batch = Batch::draw(&group, Some(walk), &ask, &mut chance);
+            let answer = net.forward(batch.question(device));
+            let ranks: Vec<f32> = answer.ranks.into_data().try_to_vec().expect("ranks are f32");
+            add(&batch, &ranks, &mut sums);
+        }
+    }
+    let of = |index: usize| sums.map(|sum| (sum[index] / sum[2].max(1.0)) as f32);
+    Measured { spearman: of(0), share: of(1) }
+}
+
+fn add(batch: &Batch, ranks: &[f32], sums: &mut [[f64; 3]; OBJECTIVES]) {
+    for state in 0..batch.counts.len() * batch.objects {
+        let free: Vec<usize> = (0..batch.others)
+            .map(|other| state * batch.others + other)
+            .filter(|&place| !batch.visited[place])
+            .collect();
+        for (objective, sum) in sums.iter_mut().enumerate() {
+            let of = |values: &[f32]| -> Vec<f32> {
+                free.iter().map(|&place| values[place * OBJECTIVES + objective]).collect()
+            };
+            let (exact, predicted) = (of(&batch.truth.gains), of(ranks));
+            let best = exact.iter().copied().fold(f32::MIN, f32::max);
+            let mean = exact.iter().sum::<f32>() / exact.len() as f32;
+            if best - mean < 1e-6 {
+                continue; // all views are alike: nothing to rank
+            }
+            let chosen = (0..predicted.len())
+                .max_by(|&a, &b| predicted[a].total_cmp(&predicted[b]))
+                .map_or(mean, |index| exact[index]);
+            sum[0] += spearman(&exact, &predicted);
+            sum[1] += f64::from((chosen - mean) / (best - mean));
+            sum[2] += 1.0;
+        }
+    }
+}
+
+/// Spearman's rank correlation; equal values share their mean rank. 0 where a side is constant.
+pub fn spearman(a: &[f32], b: &[f32]) -> f64 {
+    let (a, b) = (ranks(a), ranks(b));
+    let mean = (a.len() as f64 - 1.0) / 2.0;
+    let product = |x: &[f64], y: &[f64]| -> f64 {
+        x.iter().zip(y).map(|(x, y)| (x - mean) * (y - mean)).sum()
+    };
+    let scale = (product(&a, &a) * product(&b, &b)).sqrt();
+    if scale > 0.0 { product(&a, &b) / scale } else { 0.0 }
+}
+
+fn ranks(values: &[f32]) -> Vec<f64> {
+    let mut order: Vec<usize> = (0..values.len()).collect();
+    order.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
+    let mut ranks = vec![0.0; values.len()];
+    let mut start = 0;
+    for group in order.chunk_by(|&a, &b| values[a] == values[b]) {
+        let rank = start as f64 + (group.len() as f64 - 1.0) / 2.0;
+        for &index in group {
+            ranks[index] = rank;
+        }
+        start += group.len();
+    }
+    ranks
+}

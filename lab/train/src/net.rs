@@ -1,0 +1,253 @@
+//! SOARNet in floating point, as it is trained.
+//!
+//! ```text
+//! photo (3, 64, 64) -> encoder -> embedding (E)                                  once per photo
+//! [embedding | direction of the view] -> U ; U + W relation(view, candidate) -> relu
+//!                                     -> relu(linear) = token                    per (view, candidate)
+//! tokens of all views -> mean, maximum                                           per candidate
+//! [mean | maximum | direction of the candidate | count of views] -> H -> 4 ranks per candidate
+//! [mean over candidates of (mean | maximum) | count of views]    -> G -> 12      per state
+//! ```
+//!
+//! G gives the scores F_n and, times the number of views, mean and spread of the gains over the
+//! candidates, so that a gain in the objective's own units is mean + spread * rank. With cumulative
+//! targets H gives F_n+1 itself.
+
+use burn::module::{Initializer, Module};
+use burn::nn::conv::{Conv2d, Conv2dConfig};
+use burn::nn::{Linear, LinearConfig, PaddingConfig2d};
+use burn::tensor::activation::relu;
+use burn::tensor::{Device, Tensor};
+use serde::{Deserialize, Serialize};
+use vantage_core::soarnet::features::{COUNT, DIRECTION, RELATION};
+
+/// Side of a photo in pixels.
+pub const SIDE: usize = 64;
+/// Side of the last map.
+const LAST: usize = 4;
+/// Outputs of G: scores, means, spreads.
+pub const STATE: usize = 12;
+/// C, Q, D, T.
+pub const OBJECTIVES: usize = 4;
+
+/// The shape of a network.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Shape {
+    /// Channels after the stem and after each of the three stages.
+    pub channels: [usize; 4],
+    /// Width of an embedding; 0 for a network that sees no photos.
+    pub embedding: usize,
+    /// Width of a token.
+    pub token: usize,
+    /// Width of head H.
+    pub head: usize,
+    /// Width of head G.
+    pub state: usize,
+    /// Whether tokens know where the candidate lies from their view; else they are of views alone.
+    pub relative: bool,
+    /// Whether tokens are pooled by their maximum too.
+    pub maximum: bool,
+}
+
+impl Default for Shape {
+    fn default() -> Self {
+        Self {
+            channels: [16, 16, 32, 48],
+            embedding: 96,
+            token: 96,
+            head: 96,
+            state: 64,
+            relative: true,
+            maximum: true,
+        }
+    }
+}
+
+/// Two convolutions around which the input is passed.
+#[derive(Module, Debug)]
+pub struct Residual {
+    pub first: Conv2d,
+    pub second: Conv2d,
+}
+
+impl Residual {
+    fn forward(&self, x: Tensor<4>) -> Tensor<4> {
+        let inner = relu(self.first.forward(x.clone()));
+        relu(x + self.second.forward(inner))
+    }
+}
+
+/// Photo to embedding.
+#[derive(Module, Debug)]
+pub struct Encoder {
+    pub stem: Conv2d,
+    pub down: Vec<Conv2d>,
+    pub residual: Vec<Residual>,
+    pub embed: Linear,
+}
+
+impl Encoder {
+    fn new(shape: &Shape, device: &Device) -> Self {
+        let conv = |from: usize, to: usize, stride: usize, gain: f64| {
+            Conv2dConfig::new([from, to], [3, 3])
+                .with_stride([stride, stride])
+                .with_padding(PaddingConfig2d::Explicit(1, 1, 1, 1))
+                .with_initializer(Initializer::KaimingNormal { gain, fan_out_only: false })
+                .init(device)
+        };
+        let relu_gain = 2f64.sqrt();
+        let [stem, rest @ ..] = shape.channels;
+        let from = [shape.channels[0], shape.channels[1], shape.channels[2]];
+        Self {
+            stem: conv(3, stem, 2, relu_gain),
+            down: from.iter().zip(rest).map(|(&from, to)| conv(from, to, 2, relu_gain)).collect(),
+            // A residual that begins small: the network starts as a shallow one.
+            residual: rest
+                .iter()
+                .map(|&c| Residual { first: conv(c, c, 1, relu_gain), second: conv(c, c, 1, 0.3) })
+                .collect(),
+            embed: LinearConfig::new(shape.channels[3] * LAST * LAST, shape.embedding).init(device),
+        }
+    }
+
+    /// Photos, shape (n, 3, 64, 64), each value (pixel - 128) / 128, to embeddings (n, E).
+    pub fn forward(&self, photos: Tensor<4>) -> Tensor<2> {
+        let mut x = relu(self.stem.forward(photos));
+        for (down, residual) in self.down.iter().zip(&self.residual) {
+            x = residual.forward(relu(down.forward(x)));
+        }
+        self.embed.forward(x.flatten::<2>(1, 3))
+    }
+}
+
+/// The whole network.
+#[derive(Module, Debug)]
+pub struct Network {
+    pub encoder: Option<Encoder>,
+    pub view: Linear,
+    pub relation: Option<Linear>,
+    pub token: Linear,
+    pub head_in: Linear,
+    pub head_out: Linear,
+    pub state_in: Linear,
+    pub state_out: Linear,
+    maximum: bool,
+}
+
+/// What the network is asked: of each of B objects, K views in order and Z candidates.
+#[derive(Clone, Debug)]
+pub struct Question {
+    /// (B * K, 3, 64, 64); without an encoder it is not looked at.
+    pub photos: Tensor<4>,
+    /// (B, K, 16).
+    pub views: Tensor<3>,
+    /// Of each view, (B, Z, 16).
+    pub relations: Vec<Tensor<3>>,
+    /// (B, Z, 16).
+    pub candidates: Tensor<3>,
+    /// The numbers of views asked about, ascending, each at most K.
+    pub counts: Vec<usize>,
+}
+
+/// What it answers for each of P counts of views.
+#[derive(Clone, Debug)]
+pub struct Answer {
+    /// (P * B, Z, 4).
+    pub ranks: Tensor<3>,
+    /// (P * B, 12).
+    pub state: Tensor<2>,
+}
+
+impl Network {
+    /// A network with random weights.
+    pub fn new(shape: &Shape, device: &Device) -> Self {
+        let linear = |from: usize, to: usize| {
+            LinearConfig::new(from, to)
+                .with_initializer(Initializer::KaimingNormal { gain: 1.4, fan_out_only: false })
+                .init(device)
+        };
+        let last = |from: usize, to: usize| {
+            LinearConfig::new(from, to)
+                .with_initializer(Initializer::KaimingNormal { gain: 0.3, fan_out_only: false })
+                .init(device)
+        };
+        let pooled = shape.token * if shape.maximum { 2 } else { 1 };
+        let relation = || {
+            LinearConfig::new(RELATION, shape.token)
+                .with_bias(false)
+                .with_initializer(Initializer::KaimingNormal { gain: 1.4, fan_out_only: false })
+                .init(device)
+        };
+        Self {
+            encoder: (shape.embedding > 0).then(|| Encoder::new(shape, device)),
+            view: linear(shape.embedding + DIRECTION, shape.token),
+            relation: shape.relative.then(relation),
+            token: linear(shape.token, shape.token),
+            head_in: linear(pooled + DIRECTION + COUNT, shape.head),
+            head_out: last(shape.head, OBJECTIVES),
+            state_in: linear(pooled + COUNT, shape.state),
+            state_out: last(shape.state, STATE),
+            maximum: shape.maximum,
+        }
+    }
+
+    /// Answers for every count of views.
+    pub fn forward(&self, question: Question) -> Answer {
+        let Question { photos, views, relations, candidates, counts } = question;
+        let [objects, number, _] = views.dims();
+        let device = views.device();
+        let seen = match &self.encoder {
+            Some(encoder) => {
+                let embeddings = encoder.forward(photos);
+                let width = embeddings.dims()[1];
+                Tensor::cat(vec![embeddings.reshape([objects, number, width]), views], 2)
+            }
+            None => views,
+        };
+        let from_views = self.view.forward(seen);
+        let [_, others, _] = candidates.dims();
+
+        let mut sum: Option<Tensor<3>> = None;
+        let mut highest: Option<Tensor<3>> = None;
+        let (mut ranks, mut states) = (Vec::new(), Vec::new());
+        for (place, relation) in relations.into_iter().enumerate() {
+            let of_view = from_views.clone().narrow(1, place, 1);
+            let hidden = match &self.relation {
+                Some(linear) => of_view + linear.forward(relation),
+                None => of_view.repeat_dim(1, others),
+            };
+            let token = relu(self.token.forward(relu(hidden)));
+            sum = Some(match sum {
+                Some(sum) => sum + token.clone(),
+                None => token.clone(),
+            });
+            if self.maximum {
+                highest = Some(match highest {
+                    Some(highest) => highest.max_pair(token),
+                    None => token,
+                });
+            }
+            let taken = place + 1;
+            let (Some(sum), true) = (&sum, counts.contains(&taken)) else { continue };
+            let mean = sum.clone().div_scalar(taken as f32);
+            let pooled = match &highest {
+                Some(highest) => Tensor::cat(vec![mean, highest.clone()], 2),
+                None => mean,
+            };
+            let count = crate::samples::count(taken, &device);
+            let of_each = count.clone().reshape([1, 1, COUNT]).repeat(&[objects, others, 1]);
+            ranks.push(Tensor::cat(vec![pooled.clone(), candidates.clone(), of_each], 2));
+            let context = pooled.mean_dim(1).squeeze_dim::<2>(1);
+            let of_state = count.reshape([1, COUNT]).repeat_dim(0, objects);
+            states.push(Tensor::cat(vec![context, of_state], 1));
+        }
+        let ranks = self.head_out.forward(relu(self.head_in.forward(Tensor::cat(ranks, 0))));
+        let state = self.state_out.forward(relu(self.state_in.forward(Tensor::cat(states, 0))));
+        Answer { ranks, state }
+    }
+
+    /// Weights and biases there are.
+    pub fn parameters(&self) -> usize {
+        self.num_params()
+    }
+}

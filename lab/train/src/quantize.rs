@@ -1,0 +1,419 @@
+//! From floating point to signed bytes.
+//!
+//! Weights are symmetric with a scale for each row; tensors between layers have one scale and zero
+//! point each, chosen over calibration states so that the mean squared error is least. Scales of
+//! inputs are folded into the weights that read them, so parts of one input may differ in scale.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use anyhow::{Context, Result, anyhow, ensure};
+use rand::SeedableRng;
+use rand_pcg::Pcg64;
+use vantage_core::soarnet::features::{COUNT, DIRECTION, RELATION};
+use vantage_core::soarnet::{self, Dimensions, EncoderParts, Layer, Stage};
+
+use crate::net::{OBJECTIVES, SIDE};
+use crate::reference::{Reference, Weights};
+use crate::samples::{Ask, Batch, Object};
+
+/// Numbers of views at which tensors are looked at.
+const COUNTS: [usize; 5] = [1, 3, 6, 12, 24];
+/// Candidates of a calibration state.
+const CANDIDATES: usize = 48;
+/// Values kept of each tensor.
+const KEPT: usize = 1 << 18;
+
+/// How a tensor's bytes stand for values: `scale * (byte - zero)`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scale {
+    pub scale: f64,
+    pub zero: i32,
+}
+
+/// Photos, `byte / 128`.
+const PIXELS: Scale = Scale { scale: 1.0 / 128.0, zero: 0 };
+/// Features of poses and counts.
+const FEATURES: Scale = Scale { scale: 1.0 / 127.0, zero: 0 };
+
+impl Scale {
+    /// The scale of least squared error; where `cut`, of values that are never negative.
+    fn fit(values: &[f32], cut: bool) -> Self {
+        let fold = |seed: f32, of: fn(f32, f32) -> f32| values.iter().copied().fold(seed, of);
+        let low = if cut { 0.0 } else { f64::from(fold(0.0, f32::min)) };
+        let high = f64::from(fold(0.0, f32::max)).max(low + 1e-6);
+        let shares = (0..12).map(|step| 1.0 - 0.05 * f64::from(step));
+        let tried = shares.map(|share| {
+            let scale = Self::of_range(low * share, high * share);
+            (scale, scale.error(values))
+        });
+        tried.min_by(|(_, a), (_, b)| a.total_cmp(b)).expect("a dozen were tried").0
+    }
+
+    fn of_range(low: f64, high: f64) -> Self {
+        let scale = (high - low) / 255.0;
+        Self { scale, zero: (-128.0 - low / scale).round() as i32 }
+    }
+
+    fn error(&self, values: &[f32]) -> f64 {
+        let step = values.len().div_ceil(20_000).max(1);
+        let of = |value: f32| {
+            let value = f64::from(value);
+            let byte = ((value / self.scale).round() + f64::from(self.zero)).clamp(-128.0, 127.0);
+            (value - self.scale * (byte - f64::from(self.zero))).powi(2)
+        };
+        values.iter().step_by(step).map(|&value| of(value)).sum()
+    }
+}
+
+/// A layer in whole numbers; owns what [`Layer`] borrows.
+#[derive(Clone, Debug, Default)]
+struct Whole {
+    weights: Vec<i8>,
+    bias: Vec<i32>,
+    multipliers: Vec<i32>,
+    zero: i8,
+}
+
+/// What becomes of a layer's sums.
+#[derive(Clone, Copy)]
+enum Output {
+    Bytes(Scale),
+    /// 32 bits in units of 2^-16.
+    Wide,
+}
+
+impl Whole {
+    fn layer(&self) -> Layer<'_> {
+        Layer {
+            weights: &self.weights,
+            bias: &self.bias,
+            multipliers: &self.multipliers,
+            zero: self.zero,
+        }
+    }
+
+    /// `weight(row, column)` over inputs with a scale each.
+    fn new(
+        weight: impl Fn(usize, usize) -> f32,
+        bias: &[f32],
+        inputs: &[Scale],
+        output: Output,
+    ) -> Result<Self> {
+        let (unit, zero) = match output {
+            Output::Bytes(Scale { scale, zero }) => (scale, zero),
+            // Its multipliers are in units of 2^-36, not 2^-32.
+            Output::Wide => (1.0 / 16.0, 0),
+        };
+        let mut whole = Self { zero: zero as i8, ..Self::default() };
+        for (row, &bias) in bias.iter().enumerate() {
+            let scaled: Vec<f64> = inputs
+                .iter()
+                .enumerate()
+                .map(|(column, input)| f64::from(weight(row, column)) * input.scale)
+                .collect();
+            let largest = scaled.iter().fold(0f64, |largest, w| largest.max(w.abs()));
+            let step = (largest / 127.0).max(1e-12);
+            let bytes = scaled.iter().map(|w| (w / step).round() as i8);
+            let first = whole.weights.len();
+            whole.weights.extend(bytes);
+            let offsets = whole.weights[first..].iter().zip(inputs);
+            let offset: i64 = offsets.map(|(&w, input)| i64::from(w) * i64::from(input.zero)).sum();
+            let bias = (f64::from(bias) / step).round() - offset as f64;
+            let multiplier = (step / unit * 4_294_967_296.0).round();
+            ensure!(
+                bias.abs() < f64::from(i32::MAX) && multiplier < f64::from(i32::MAX),
+                "a layer's weights are too far apart in size for whole numbers"
+            );
+            whole.bias.push(bias as i32);
+            whole.multipliers.push(multiplier as i32);
+        }
+        Ok(whole)
+    }
+
+    /// A convolution: ONNX order (out, in, 3, 3) to (out, 3, 3, in).
+    fn convolution(weight: &Weights, bias: &Weights, input: Scale, output: Scale) -> Result<Self> {
+        let channels = weight.dims[1];
+        let of = |row: usize, column: usize| {
+            let (window, channel) = (column / channels, column % channels);
+            weight.values[(row * channels + channel) * 9 + window]
+        };
+        Self::new(of, &bias.values, &vec![input; 9 * channels], Output::Bytes(output))
+    }
+
+    /// A linear layer: ONNX order (in, out), one part after the other, to (out, in).
+    fn linear(parts: &[&Weights], bias: &[f32], inputs: &[Scale], output: Output) -> Result<Self> {
+        let columns: Vec<&[f32]> =
+            parts.iter().flat_map(|part| part.values.chunks_exact(part.dims[1])).collect();
+        ensure!(columns.len() == inputs.len(), "a layer has other inputs than the network");
+        Self::new(|row, column| columns[column][row], bias, inputs, output)
+    }
+}
+
+/// A network in whole numbers, as the bytes of a model file.
+pub fn quantize(reference: &Reference, objects: &[Object], seed: u64) -> Result<Vec<u8>> {
+    let scales = calibrate(reference, objects, seed)?;
+    let scale = |name: &str| scales[name];
+    let weights = |name: &str| reference.weights(name);
+    let shape = reference.shape();
+
+    let mut stem = Whole::default();
+    let mut stages: Vec<([Whole; 3], [f64; 2], Scale)> = Vec::new();
+    let mut embed = Whole::default();
+    if shape.embedding > 0 {
+        let convolution = |name: &str, input: Scale, output: Scale| {
+            let (weight, bias) = (format!("{name}.weight"), format!("{name}.bias"));
+            Whole::convolution(weights(&weight)?, weights(&bias)?, input, output)
+        };
+        stem = convolution("stem", PIXELS, scale("stem"))?;
+        let mut last = scale("stem");
+        for stage in 1..=3 {
+            let name = |part: &str| format!("stage{stage}.{part}");
+            let [down, first, second] = ["down", "first", "second"].map(|part| scale(&name(part)));
+            let sum = scale(&format!("stage{stage}"));
+            let layers = [
+                convolution(&name("down"), last, down)?,
+                convolution(&name("first"), down, first)?,
+                convolution(&name("second"), first, second)?,
+            ];
+            stages.push((layers, [down.scale / sum.scale, second.scale / sum.scale], sum));
+            last = sum;
+        }
+        // ONNX flattens (channel, row, column); the model's maps are (row, column, channel).
+        let weight = weights("embed.weight")?;
+        let (channels, pixels) = (shape.channels[3], weight.dims[0] / shape.channels[3]);
+        let of = |row: usize, column: usize| {
+            let (pixel, channel) = (column / channels, column % channels);
+            weight.values[(channel * pixels + pixel) * weight.dims[1] + row]
+        };
+        let inputs = vec![last; weight.dims[0]];
+        let output = Output::Bytes(scale("embedding"));
+        embed = Whole::new(of, &weights("embed.bias")?.values, &inputs, output)?;
+    }
+
+    let token = scale("token");
+    let mut inputs = Vec::new();
+    if shape.embedding > 0 {
+        inputs = vec![scale("embedding"); shape.embedding];
+    }
+    inputs.extend([FEATURES; DIRECTION + RELATION]);
+    let bias = |name: &str| weights(name).map(|weights| weights.values.as_slice());
+    let tokens = [
+        Whole::linear(
+            &[weights("view.weight")?, weights("relation.weight")?],
+            bias("view.bias")?,
+            &inputs,
+            Output::Bytes(scale("hidden")),
+        )?,
+        Whole::linear(
+            &[weights("token.weight")?],
+            bias("token.bias")?,
+            &vec![scale("hidden"); shape.token],
+            Output::Bytes(token),
+        )?,
+    ];
+    let head = |name: &str, features: usize, hidden: Scale, width: usize| -> Result<[Whole; 2]> {
+        let mut inputs = vec![token; 2 * shape.token];
+        inputs.extend(vec![FEATURES; features]);
+        let of = |part: &str| format!("{name}_{part}");
+        let [weight, count] = [of("in.weight"), of("in.count_weight")];
+        Ok([
+            Whole::linear(
+                &[weights(&weight)?, weights(&count)?],
+                bias(&of("in.bias"))?,
+                &inputs,
+                Output::Bytes(hidden),
+            )?,
+            Whole::linear(
+                &[weights(&of("out.weight"))?],
+                bias(&of("out.bias"))?,
+                &vec![hidden; width],
+                Output::Wide,
+            )?,
+        ])
+    };
+    let candidate = head("head", DIRECTION + COUNT, scale("head"), shape.head)?;
+    let state = head("state", COUNT, scale("state.hidden"), shape.state)?;
+
+    let parts = |stages: &[([Whole; 3], [f64; 2], Scale)]| -> [Stage<'_>; 3] {
+        [0, 1, 2].map(|stage: usize| {
+            let ([down, first, second], ratios, sum) = &stages[stage];
+            let [multiplier, second_multiplier] =
+                ratios.map(|ratio| (ratio * f64::from(1 << 18)).round() as i32);
+            Stage {
+                down: down.layer(),
+                first: first.layer(),
+                second: second.layer(),
+                multiplier,
+                second_multiplier,
+                zero: sum.zero as i8,
+            }
+        })
+    };
+    let network = soarnet::Network {
+        dimensions: Dimensions {
+            channels: shape.channels,
+            embedding: shape.embedding,
+            width: shape.token,
+            head: shape.head,
+            context: shape.state,
+        },
+        encoder: (shape.embedding > 0).then(|| EncoderParts {
+            stem: stem.layer(),
+            stages: parts(&stages),
+            embed: embed.layer(),
+        }),
+        token: tokens.each_ref().map(Whole::layer),
+        candidate: candidate.each_ref().map(Whole::layer),
+        state: state.each_ref().map(Whole::layer),
+    };
+    let mut file = vec![0; network.dimensions.file_length()];
+    network.write(&mut file).map_err(|error| anyhow!("the network cannot be written: {error}"))?;
+    Ok(file)
+}
+
+/// The scale of every tensor between layers, over captures of training objects.
+fn calibrate(
+    reference: &Reference,
+    objects: &[Object],
+    seed: u64,
+) -> Result<BTreeMap<String, Scale>> {
+    let photos = reference.shape().embedding > 0;
+    let mut names = vec!["hidden", "token", "head", "state.hidden"];
+    if photos {
+        names.extend([
+            "stem",
+            "stage1.down",
+            "stage1.first",
+            "stage1.second",
+            "stage1",
+            "stage2.down",
+            "stage2.first",
+            "stage2.second",
+            "stage2",
+            "stage3.down",
+            "stage3.first",
+            "stage3.second",
+            "stage3",
+            "embedding",
+        ]);
+    }
+    let mut values: Vec<Vec<f32>> = vec![Vec::new(); names.len()];
+    let mut chance = Pcg64::seed_from_u64(seed);
+    for (place, &count) in COUNTS.iter().enumerate() {
+        let others =
+            CANDIDATES.min(objects.first().context("no object to calibrate with")?.poses().len());
+        let runner = reference.runner(count, others, &names)?;
+        // Different objects at each count; every other one as a webcam might see it.
+        let mine: Vec<&Object> = objects.iter().skip(place).step_by(COUNTS.len()).collect();
+        for (index, &object) in mine.iter().enumerate() {
+            let ask = Ask {
+                views: count,
+                counts: vec![count],
+                candidates: others,
+                augment: index % 2 == 1,
+                photos,
+            };
+            let batch = Batch::draw(&[object], None, &ask, &mut chance);
+            for (kept, output) in values.iter_mut().zip(runner.run(&batch.state(0, count))?) {
+                // As many of every capture, so that no one of them decides.
+                let share = (KEPT / objects.len()).max(1);
+                let step = output.len().div_ceil(share).max(1);
+                kept.extend(output.iter().step_by(step));
+                kept.extend([
+                    output.iter().copied().fold(f32::MAX, f32::min),
+                    output.iter().copied().fold(f32::MIN, f32::max),
+                ]);
+            }
+        }
+    }
+    let signed = |name: &str| name == "embedding" || name.ends_with(".second");
+    let scales = names.iter().zip(values);
+    Ok(scales
+        .map(|(&name, values)| (name.to_owned(), Scale::fit(&values, !signed(name))))
+        .collect())
+}
+
+/// How near a model file comes to its float reference.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Agreement {
+    /// Mean Spearman's rank correlation of the two networks' ranks over the free candidates.
+    pub spearman: f64,
+    /// Share of the steps in which both choose the same candidate.
+    pub same_choice: f64,
+    /// States and objectives compared.
+    pub steps: usize,
+}
+
+/// Compares a model file with its reference on the captures of some objects, photos unchanged.
+pub fn agreement(
+    reference: &Reference,
+    file: &[u8],
+    objects: &[Object],
+    counts: std::ops::RangeInclusive<usize>,
+) -> Result<Agreement> {
+    use vantage_core::planner::Scorer;
+    use vantage_core::soarnet::{Image, Model, Photo, Pixels, SoarNet};
+
+    let model = Model::parse(file).map_err(|error| anyhow!("{error}"))?;
+    let photos = reference.shape().embedding > 0;
+    let (mut sum, mut same, mut steps) = (0.0, 0usize, 0usize);
+    let mut runners = BTreeMap::new();
+    for object in objects {
+        let views: Vec<usize> = object.walk(1).collect();
+        let others = object.poses().len();
+        let ask = Ask {
+            views: *counts.end(),
+            counts: counts.clone().collect(),
+            candidates: usize::MAX,
+            augment: false,
+            photos,
+        };
+        let batch = Batch::draw(&[object], Some(1), &ask, &mut Pcg64::seed_from_u64(0));
+        let mut memory = Box::new(soarnet::Fixed::<1000, 64>::new());
+        let centre = vantage_core::Vec3::ZERO;
+        let mut scorer =
+            SoarNet::try_new(model, &mut *memory, centre, object.poses().iter().copied())?;
+        for (place, &view) in views.iter().take(*counts.end()).enumerate() {
+            let bytes = object.photo(view);
+            let side = SIDE as u32;
+            let image = Image::try_new(side, side, Pixels::Rgb888, &bytes)?;
+            let photo = if photos { Photo::new(image) } else { Photo::default() };
+            scorer.observe(&object.poses()[view], &photo)?;
+            let count = place + 1;
+            if !counts.contains(&count) {
+                continue;
+            }
+            if !runners.contains_key(&count) {
+                runners.insert(count, reference.runner(count, others, &["ranks"])?);
+            }
+            let float = runners[&count].run(&batch.state(0, count))?.remove(0);
+            let free: Vec<usize> =
+                (0..others).filter(|other| !views[..count].contains(other)).collect();
+            for objective in 0..OBJECTIVES {
+                let a: Vec<f32> =
+                    free.iter().map(|&other| float[other * OBJECTIVES + objective]).collect();
+                let b: Vec<f32> = free
+                    .iter()
+                    .map(|&other| scorer.ranks(other).map_or(0.0, |ranks| ranks[objective] as f32))
+                    .collect();
+                let first = |values: &[f32]| {
+                    (0..values.len()).rev().max_by(|&x, &y| values[x].total_cmp(&values[y]))
+                };
+                sum += crate::measure::spearman(&a, &b);
+                same += usize::from(first(&a) == first(&b));
+                steps += 1;
+            }
+        }
+    }
+    let of = |sum: f64| sum / steps.max(1) as f64;
+    Ok(Agreement { spearman: of(sum), same_choice: of(same as f64), steps })
+}
+
+/// Writes a model file that appears whole or not at all.
+pub fn save(file: &[u8], path: &Path) -> Result<()> {
+    let partial = path.with_extension("partial");
+    std::fs::write(&partial, file)
+        .and_then(|()| std::fs::rename(&partial, path))
+        .with_context(|| format!("cannot write {}", path.display()))
+}
