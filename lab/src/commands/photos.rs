@@ -1,5 +1,6 @@
 //! `cargo vantage plan --photos`: the next views of a capture in progress.
 
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -14,8 +15,9 @@ use crate::heap::Heap;
 use crate::network::{self, Network};
 use crate::photos::words::{azimuth_deg, elevation_deg, way};
 use crate::photos::{Capture, Known, Layout, Photo};
-use crate::pool::{self, PoolArgs};
+use crate::pool::{self, DISTANCE, PoolArgs};
 use crate::record::{NextRecord, PhotoRecord, PhotosRecord, Seconds, SkippedRecord};
+use crate::report;
 use crate::scheme;
 
 /// Options of `plan --photos`.
@@ -100,7 +102,15 @@ pub fn run(args: &PlanArgs, folder: &Path) -> Result<()> {
     let reached = reached(&capture.photos);
     let pool = args.pool.around(capture.photos.len(), reached);
     let candidates = candidates(&pool, &capture.layout)?;
-    let plan = plan::with_options(args, scheme, capture.photos.len() + 1)?;
+    let mut views = capture.photos.len();
+    if network.is_some() && views > network::MOST_VIEWS {
+        eprintln!(
+            "warning: the network remembers {} photos: those farthest from each other are used",
+            network::MOST_VIEWS
+        );
+        views = network::MOST_VIEWS;
+    }
+    let plan = plan::with_options(args, scheme, views + 1)?;
     let poses = candidates.iter().map(|candidate| candidate.pose).collect();
     let count = args.photos.next;
     let (next, scores) = propose(count, &capture.photos, poses, plan, network.as_ref())?;
@@ -138,6 +148,11 @@ pub fn run(args: &PlanArgs, folder: &Path) -> Result<()> {
     };
     if let Some(staging) = staging {
         super::save_json(&staging.path().join("next.json"), &record)?;
+        let directions: Vec<Vec3> =
+            candidates.iter().map(|candidate| candidate.pose.position() / DISTANCE).collect();
+        let page = report::photos::page(&record, &capture, &directions)?;
+        let path = staging.path().join("report.html");
+        fs::write(&path, page).with_context(|| format!("cannot write {}", path.display()))?;
         let folder = staging.commit()?;
         eprintln!("wrote {}", folder.display());
     }
@@ -200,14 +215,32 @@ fn propose(
         return Ok((apart(&mut session, count)?, None));
     };
     let scorer = network.scorer(&candidates, photos.len())?;
+    let remembered = spread(photos, scorer.view_capacity());
     let mut session = Session::try_new(Heap::default(), candidates, scorer, plan)?;
-    for photo in photos {
+    for photo in remembered {
         let observed = session.observe_elsewhere(photo.pose, &network::shot(&photo.window)?);
         observed
             .with_context(|| format!("photo {}, {}, cannot be used", photo.number, photo.file))?;
     }
     let scores = session.scores();
     Ok((apart(&mut session, count)?, Some(scores)))
+}
+
+/// As many photos as a network remembers: all, or those farthest from each other, in their order.
+fn spread(photos: &[Photo], most: usize) -> Vec<&Photo> {
+    let mut kept: Vec<usize> = Vec::new();
+    let mut nearest = vec![f32::INFINITY; photos.len()];
+    while kept.len() < most.min(photos.len()) {
+        let farthest = (0..photos.len()).rev().max_by(|&a, &b| nearest[a].total_cmp(&nearest[b]));
+        let Some(next) = farthest else { break };
+        kept.push(next);
+        for (nearest, photo) in nearest.iter_mut().zip(photos) {
+            *nearest = nearest.min(photo.direction.distance(photos[next].direction));
+        }
+        nearest[next] = -1.0;
+    }
+    kept.sort_unstable();
+    kept.into_iter().map(|index| &photos[index]).collect()
 }
 
 /// The next view, and others in case it and its neighbours cannot be reached.
@@ -222,8 +255,11 @@ fn apart<S: Scorer>(session: &mut Session<S, Heap>, count: usize) -> Result<Vec<
             chosen.push(next);
             continue;
         }
-        // Nothing is left so far apart: look more closely.
-        apart *= 0.5;
+        // Nothing is left so far apart: look more closely, and in the end at every single view.
+        if apart == 0.0 {
+            break;
+        }
+        apart = if apart < 1e-3 { 0.0 } else { 0.5 * apart };
         for index in 0..places.len() {
             session.unblock(index)?;
         }
@@ -340,4 +376,109 @@ fn table(record: &PhotosRecord) -> String {
     }
     let Seconds { load, plan, .. } = record.seconds;
     text + &format!("seconds: load {load:.2}, plan {plan:.3}\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Parser;
+
+    #[derive(Parser)]
+    struct Cli {
+        #[command(flatten)]
+        plan: PlanArgs,
+    }
+
+    fn says(arguments: &[&str]) -> String {
+        let whole = ["plan"].iter().chain(arguments);
+        match Cli::try_parse_from(whole) {
+            Ok(Cli { plan }) => format!("{:#}", plan::run(&plan).unwrap_err()),
+            Err(error) => error.to_string(),
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_asked_of_photos_is_said() {
+        let here = ["--photos", "."];
+        for (more, words) in [
+            (vec!["--scheme", "e"], "needs a mesh"),
+            (vec!["--scheme", "best"], "no scheme `best`"),
+            (vec!["--scheme", "soarnet-poses"], "--poses-model"),
+            (
+                vec!["--scheme", "soarnet", "--model", "none.model"],
+                "cannot read the model none.model",
+            ),
+            (vec!["--next", "0"], "--next is 0"),
+            (vec!["chair"], "cannot be used with"),
+            (vec!["--budget", "5"], "cannot be used with"),
+            (vec!["--centre", "1,2"], "three numbers"),
+            (vec!["--scheme", "fps"], "holds no transforms.json"),
+        ] {
+            let found = says(&[here.as_slice(), &more].concat());
+            assert!(found.contains(words), "{found}");
+        }
+        assert!(says(&["--next", "3"]).contains("--photos"));
+    }
+
+    fn photo(direction: Vec3) -> Photo {
+        Photo {
+            number: 1,
+            file: String::new(),
+            position: direction.as_dvec3(),
+            direction,
+            pose: Pose::looking_at(direction * DISTANCE, Vec3::ZERO).unwrap(),
+            window: image::RgbImage::new(64, 64),
+            picture: image::RgbImage::new(4, 4),
+        }
+    }
+
+    #[test]
+    fn further_views_lie_apart() {
+        let args = PoolArgs {
+            candidates: Some(200),
+            pool_seed: 0,
+            space: Some(pool::Space::Fibonacci),
+            min_elevation: None,
+            max_elevation: None,
+            rings: 4,
+            pool: None,
+        };
+        let photos = [photo(Vec3::X), photo(Vec3::Y), photo(Vec3::NEG_X)];
+        let poses = args.poses().unwrap();
+        let (next, scores) =
+            propose(6, &photos, poses.clone(), Plan::farthest_point(4), None).unwrap();
+        assert_eq!((next.len(), scores), (6, None));
+        for (place, one) in next.iter().enumerate() {
+            for other in &next[..place] {
+                let angle = one.pose.position().angle_between(other.pose.position());
+                assert!(angle.to_degrees() >= APART_DEG);
+            }
+        }
+        // More than there is room for so far apart, and more than there are.
+        let all = propose(500, &photos, poses, Plan::farthest_point(4), None).unwrap().0;
+        let mut indices: Vec<usize> = all.iter().map(|next| next.index).collect();
+        indices.sort_unstable();
+        assert_eq!(indices, (0..200).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn a_network_names_views_and_scores() {
+        let photos = [photo(Vec3::X), photo(Vec3::Y), photo(Vec3::NEG_X)];
+        let poses: Vec<Pose> = [Vec3::Z, Vec3::NEG_Y, Vec3::NEG_Z, Vec3::ONE]
+            .map(|eye| Pose::looking_at(eye.normalize() * DISTANCE, Vec3::ZERO).unwrap())
+            .into();
+        let network = network::tests::network();
+        let (next, scores) = propose(2, &photos, poses, Plan::ensemble(4), Some(&network)).unwrap();
+        assert_eq!(next.len(), 2);
+        assert_eq!(next[0].objective, Some(vantage_core::Objective::Coverage));
+        assert!(scores.is_some());
+    }
+
+    #[test]
+    fn photos_beyond_a_networks_memory_are_the_close_ones() {
+        let photos = [photo(Vec3::X), photo(Vec3::new(1.0, 0.01, 0.0)), photo(Vec3::NEG_X)];
+        let kept: Vec<Vec3> = spread(&photos, 2).iter().map(|photo| photo.direction).collect();
+        assert_eq!(kept, [Vec3::X, Vec3::NEG_X]);
+        assert_eq!(spread(&photos, 256).len(), 3);
+    }
 }

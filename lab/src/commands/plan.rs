@@ -60,7 +60,8 @@ pub struct PlanArgs {
     pub stop: Option<f32>,
     #[command(flatten)]
     pub score: ScoreArgs,
-    /// Folder to write: photos, transforms.json, COLMAP model, plan.json, report.html; new or empty
+    /// Folder to write: photos, transforms.json, COLMAP model, plan.json, report.html; with --photos
+    /// next.json and report.html; new or empty
     #[arg(long, short, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Layout of the folder
