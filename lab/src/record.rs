@@ -138,7 +138,7 @@ pub struct PhotosRecord {
     /// The object's middle: given, or the point nearest to all optical axes.
     pub centre: [f64; 3],
     /// The radius of the sphere around it that is planned for: given, or the largest that half of
-    /// the photos show whole.
+    /// the photos could show whole.
     pub radius: f64,
     /// The middle distance of the photos from the centre; that of every generated candidate.
     pub distance: f64,

@@ -576,6 +576,41 @@ fn metrics_table(metrics: &MetricsRecord) -> String {
 mod tests {
     use super::*;
 
+    #[derive(clap::Parser)]
+    struct Cli {
+        #[command(flatten)]
+        compare: CompareArgs,
+    }
+
+    fn says(arguments: &[&str]) -> String {
+        match <Cli as clap::Parser>::try_parse_from(["compare"].iter().chain(arguments)) {
+            Ok(Cli { compare }) => format!("{:#}", run(&compare).unwrap_err()),
+            Err(error) => error.to_string(),
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_compared_is_said() {
+        for (arguments, words) in [
+            (&["--schemes", "best"][..], "no scheme `best`"),
+            (&["--schemes", "soarnet-poses"], "--poses-model"),
+            (
+                &["--schemes", "soarnet", "--model", "none.model"],
+                "cannot read the model none.model",
+            ),
+            (&["--budgets", "0"], "a budget is 0"),
+            (&["--budgets", "101"], "larger than the 100 candidates"),
+            (&["--seeds", "0"], "--seeds is 0"),
+            (&["--procedural", "0"], "--procedural must lie"),
+            (&["chair", "--procedural", "2"], "cannot be used with"),
+            (&["--random-candidates", "--space", "rings"], "cannot be used with"),
+            (&["no-such-object", "--budgets", "4"], "none of the objects"),
+        ] {
+            let found = says(arguments);
+            assert!(found.contains(words), "{found}");
+        }
+    }
+
     #[test]
     fn schemes_stand_for_plans() {
         let schemes = ["fps", "oracle", "soarnet", "c"].map(str::to_owned);

@@ -36,8 +36,8 @@ pub struct PhotosArgs {
     /// all optical axes]
     #[arg(long, value_name = "X,Y,Z", value_parser = three, requires = "photos", allow_hyphen_values = true)]
     pub centre: Option<[f64; 3]>,
-    /// The radius of the object's bounding sphere, likewise [default: of the largest sphere around
-    /// the middle that half of the photos show whole]
+    /// The radius of the object's bounding sphere, likewise [default: of the largest sphere there that
+    /// half of the photos could show whole]
     #[arg(long, value_name = "R", requires = "photos")]
     pub radius: Option<f64>,
     /// The upward direction, likewise [default: the mean of the cameras']
