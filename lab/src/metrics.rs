@@ -15,7 +15,7 @@
 //! the oracle gains next to nothing over chance would decide the latter.
 //!
 //! **Intervals** are 95 % bootstrap intervals over objects, see
-//! [`statistics::interval`](crate::statistics::interval). Differences are paired: of the same draw.
+//! [`interval`]. Differences are paired: of the same draw.
 
 use vantage_core::{Objective, Pose, Scores};
 
