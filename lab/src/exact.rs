@@ -71,22 +71,66 @@ impl Labelled {
     /// Carries a plan out, every photo being taken where it was asked for.
     ///
     /// `done` is called after each view.
-    pub fn run(&self, plan: Plan, mut done: impl FnMut()) -> Result<Vec<Step>> {
+    pub fn run(&self, plan: Plan, done: impl FnMut()) -> Result<Vec<Step>> {
+        self.run_then(plan, usize::MAX, plan, done)
+    }
+
+    /// The first views of a plan, as every plan begins that does not say otherwise, and then
+    /// candidates by chance.
+    pub fn random_after_start(&self, budget: usize, seed: u64) -> Result<Vec<Step>> {
+        let start = Plan::farthest_point(budget).with_seed(seed);
+        self.run_then(start, Plan::START_VIEWS, Plan::random(budget).with_seed(seed), || {})
+    }
+
+    /// So many views by one plan, the rest by another.
+    fn run_then(
+        &self,
+        first: Plan,
+        views: usize,
+        then: Plan,
+        mut done: impl FnMut(),
+    ) -> Result<Vec<Step>> {
         let sightings = self.sightings();
         let mut accounts = vec![FaceAccount::default(); self.faces.len()];
         let ledger = Ledger::try_new(self.surface()?, self.reading, &mut accounts)?;
         let scorer = Parallel(Exact::new(ledger, &sightings));
-        let memory = Heap::default();
         let start = Instant::now();
-        let mut session = Session::try_new(memory, self.poses.iter().copied(), scorer, plan)?;
-        let mut steps = Vec::with_capacity(plan.budget());
+        let candidates = self.poses.iter().copied();
+        let mut session = Session::try_new(Heap::default(), candidates, scorer, first)?;
+        let mut steps = Vec::with_capacity(first.budget());
         while let Some(next) = session.next_view() {
             session.observe(next.index, next.pose, &sightings[next.index])?;
             let seconds = start.elapsed().as_secs_f64();
             steps.push(Step { next, scores: session.scores(), seconds });
             done();
+            if steps.len() == views {
+                session.replan(then)?;
+            }
         }
         Ok(steps)
+    }
+
+    /// The exact gains of every candidate in each objective, after the first `from` views of a
+    /// list, after one more, and so on, the last of the list being left out.
+    ///
+    /// Shape (list - from, 4, candidates); views already taken have theirs too.
+    pub fn gains_along(&self, views: &[usize], from: usize) -> Result<Vec<[Vec<f32>; 4]>> {
+        let sightings = self.sightings();
+        let mut accounts = vec![FaceAccount::default(); self.faces.len()];
+        let mut ledger = Ledger::try_new(self.surface()?, self.reading, &mut accounts)?;
+        let mut gains = Vec::new();
+        for (taken, &view) in views.iter().enumerate() {
+            if taken >= from {
+                gains.push(Objective::ALL.map(|objective| {
+                    let gain = |(pose, sighting): (&Pose, &Sighting<'_>)| {
+                        ledger.gain(objective, pose.position(), sighting)
+                    };
+                    self.poses.par_iter().zip(&sightings).map(gain).collect()
+                }));
+            }
+            ledger.add(self.poses[view].position(), &sightings[view]);
+        }
+        Ok(gains)
     }
 }
 

@@ -23,7 +23,7 @@ pub struct Object {
 impl Object {
     /// The object of a name: a file's path, or a built-in object or one of a class made from
     /// `seed`. No name means the first built-in one; where a built-in object and a class share a
-    /// name, `class:NAME` means the class.
+    /// name, `class:NAME` means the class. `NAME:SEED` is made from that seed instead.
     pub fn open(name: Option<&str>, seed: u64) -> Result<Self> {
         let name = name.unwrap_or(BUILTIN[0]);
         let path = Path::new(name);
@@ -51,6 +51,8 @@ impl Object {
 
 /// A built-in object, or one of a class.
 fn made_here(name: &str, seed: u64) -> Option<Mesh> {
+    let of_seed = name.rsplit_once(':').and_then(|(name, seed)| Some((name, seed.parse().ok()?)));
+    let (name, seed) = of_seed.unwrap_or((name, seed));
     if let Some(class) = name.strip_prefix("class:") {
         return mesh::class(class, seed);
     }
@@ -59,4 +61,20 @@ fn made_here(name: &str, seed: u64) -> Option<Mesh> {
 
 fn rows_of(matrix: DMat4) -> Matrix4 {
     matrix.transpose().to_cols_array_2d()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_may_carry_its_seed() {
+        let same = |a: &str, b: &str, seed: u64| {
+            Object::open(Some(a), 0).unwrap().mesh == Object::open(Some(b), seed).unwrap().mesh
+        };
+        assert!(same("fan:7", "fan", 7));
+        assert!(same("class:vase:7", "class:vase", 7));
+        assert!(same("vase:7", "vase", 7) && !same("vase:7", "class:vase", 7));
+        assert!(Object::open(Some("fan:x"), 0).is_err());
+    }
 }

@@ -138,7 +138,7 @@ pub struct PhotosRecord {
     /// The object's middle: given, or the point nearest to all optical axes.
     pub centre: [f64; 3],
     /// The radius of the sphere around it that is planned for: given, or the largest that half of
-    /// the photos show whole.
+    /// the photos could show whole.
     pub radius: f64,
     /// The middle distance of the photos from the centre; that of every generated candidate.
     pub distance: f64,
@@ -227,8 +227,116 @@ pub struct ComparisonRecord {
     pub pool_seed: Option<u64>,
     /// Where the candidates stand.
     pub pool: PoolRecord,
+    /// Whether each object and seed had candidates of its own: see the rows' `pool_seed`.
+    pub random_candidates: bool,
     /// How the scores were computed.
     pub scoring: Scoring,
+    /// Rank correlations and closed gaps; null unless the oracle or a network was among the
+    /// schemes.
+    pub metrics: Option<MetricsRecord>,
+}
+
+/// How good schemes are at the objective they plan for: what each figure means is written in
+/// [`metrics`](crate::metrics).
+#[derive(Clone, Debug, Serialize)]
+pub struct MetricsRecord {
+    /// Bootstrap resamples behind each interval.
+    pub resamples: usize,
+    /// Rank correlations of predicted with exact gains, by budget and predictor.
+    pub spearman: Vec<MetricRow>,
+    /// Closed gaps, by budget and scheme: the ratio of means over objects.
+    pub closed_gap: Vec<MetricRow>,
+    /// Paired differences from farthest points, and from the network without images.
+    pub differences: Vec<DifferenceRow>,
+    /// The same of each object, means over its seeds.
+    pub objects: Vec<ObjectMetrics>,
+}
+
+/// One scheme at one budget.
+#[derive(Clone, Debug, Serialize)]
+pub struct MetricRow {
+    /// The scheme.
+    pub scheme: String,
+    /// Views taken; rank correlations are of the states before the last of them.
+    pub budget: usize,
+    /// `coverage`, `geometry`, `diversity` and `texture`.
+    #[serde(flatten)]
+    pub of_objective: OfObjective<Estimate>,
+    /// The mean of the four.
+    pub mean: Estimate,
+}
+
+/// One scheme less another at one budget.
+#[derive(Clone, Debug, Serialize)]
+pub struct DifferenceRow {
+    /// Which figure: `spearman` or `closed_gap`.
+    pub measure: Measure,
+    /// The scheme.
+    pub scheme: String,
+    /// The scheme whose figure is taken off.
+    pub minus: String,
+    /// Views taken.
+    pub budget: usize,
+    /// `coverage`, `geometry`, `diversity` and `texture`.
+    #[serde(flatten)]
+    pub of_objective: OfObjective<Estimate>,
+    /// The mean of the four.
+    pub mean: Estimate,
+}
+
+/// A kind of figure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Measure {
+    /// Spearman's rank correlation.
+    Spearman,
+    /// The closed gap.
+    ClosedGap,
+}
+
+/// A figure over objects with its 95 % bootstrap interval; null where there is none.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Estimate {
+    /// Over all objects.
+    pub value: Option<f64>,
+    /// The interval's lower end; null with fewer than two objects.
+    pub low: Option<f64>,
+    /// Its upper end.
+    pub high: Option<f64>,
+}
+
+/// One scheme on one object at one budget: means over seeds.
+#[derive(Clone, Debug, Serialize)]
+pub struct ObjectMetrics {
+    /// The object's name.
+    pub object: String,
+    /// The scheme.
+    pub scheme: String,
+    /// Views taken.
+    pub budget: usize,
+    /// In each objective, the exact score of the plan for that objective.
+    pub scores: OfObjective<Option<f64>>,
+    /// The same, by chance after the same first views.
+    pub random: OfObjective<Option<f64>>,
+    /// The same, of the exact oracle.
+    pub oracle: OfObjective<Option<f64>>,
+    /// Null where the oracle gains nothing over chance.
+    pub closed_gap: OfObjective<Option<f64>>,
+    /// Null where the scheme predicts nothing, or the object has no order to find.
+    pub spearman: OfObjective<Option<f64>>,
+}
+
+/// Something of each objective.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct OfObjective<T> {
+    /// C.
+    pub coverage: T,
+    /// Q.
+    pub geometry: T,
+    /// D.
+    pub diversity: T,
+    /// T.
+    pub texture: T,
 }
 
 /// One scheme on one object, with one seed, cut at one budget.
@@ -242,6 +350,8 @@ pub struct ComparisonRow {
     pub budget: usize,
     /// Seed of the planner's own chance.
     pub seed: u64,
+    /// Seed of the candidate pool; null where the pool came from a file.
+    pub pool_seed: Option<u64>,
     /// `coverage`, `geometry`, `diversity` and `texture`, exact, before smoothing.
     #[serde(flatten)]
     pub scores: Scores,

@@ -4,7 +4,19 @@ use vantage_core::Objective;
 use vantage_core::planner::Plan;
 
 /// Every name, with what it stands for.
-pub const SCHEMES: [(&str, &str); 10] = [
+pub const SCHEMES: [(&str, &str); 22] = [
+    ("soarnet", "the ensemble as a network predicts it from photos"),
+    ("soarnet-c", "surface coverage as a network predicts it from photos"),
+    ("soarnet-q", "geometric complexity as a network predicts it from photos"),
+    ("soarnet-d", "ray diversity as a network predicts it from photos"),
+    ("soarnet-t", "textural complexity as a network predicts it from photos"),
+    ("soarnet-sum", "the sum of the four gains as a network predicts them from photos"),
+    ("soarnet-poses", "the ensemble as a network predicts it from poses alone"),
+    ("soarnet-poses-c", "surface coverage as a network predicts it from poses alone"),
+    ("soarnet-poses-q", "geometric complexity as a network predicts it from poses alone"),
+    ("soarnet-poses-d", "ray diversity as a network predicts it from poses alone"),
+    ("soarnet-poses-t", "textural complexity as a network predicts it from poses alone"),
+    ("soarnet-poses-sum", "the sum of the four gains as a network predicts them from poses alone"),
     ("e", "the ensemble of objectives, C Q Q D D T in turn"),
     ("e-literal", "the ensemble as the paper words it: pseudo-coverage start, absolute phase"),
     ("c", "surface coverage alone"),
@@ -19,7 +31,7 @@ pub const SCHEMES: [(&str, &str); 10] = [
 
 /// The plan of a scheme, or `None` for a name that is none.
 pub fn plan(name: &str, budget: usize, seed: u64) -> Option<Plan> {
-    let plan = match name {
+    let plan = match network(name).map_or(name, |(_, plan)| plan) {
         "e" => Plan::ensemble(budget),
         "e-literal" => Plan::literal_ensemble(budget),
         "c" => Plan::single(Objective::Coverage, budget),
@@ -50,6 +62,51 @@ pub fn needs_poses_only(name: &str) -> bool {
     matches!(name, "fps" | "pc-fps" | "random")
 }
 
+/// The networks that schemes may ask.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Network {
+    /// The one that looks at photos.
+    Soarnet,
+    /// The one that looks at poses alone.
+    Poses,
+}
+
+impl Network {
+    /// The scheme's name for the ensemble; those of its other plans begin with it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Soarnet => "soarnet",
+            Self::Poses => "soarnet-poses",
+        }
+    }
+
+    /// The scheme that is greedy on one objective as this network predicts it.
+    pub const fn single(self, objective: Objective) -> &'static str {
+        match (self, objective) {
+            (Self::Soarnet, Objective::Coverage) => "soarnet-c",
+            (Self::Soarnet, Objective::Geometry) => "soarnet-q",
+            (Self::Soarnet, Objective::Diversity) => "soarnet-d",
+            (Self::Soarnet, Objective::Texture) => "soarnet-t",
+            (Self::Poses, Objective::Coverage) => "soarnet-poses-c",
+            (Self::Poses, Objective::Geometry) => "soarnet-poses-q",
+            (Self::Poses, Objective::Diversity) => "soarnet-poses-d",
+            (Self::Poses, Objective::Texture) => "soarnet-poses-t",
+        }
+    }
+}
+
+/// The network that a scheme asks, and the scheme that it would be with exact gains.
+pub fn network(name: &str) -> Option<(Network, &str)> {
+    [Network::Poses, Network::Soarnet].into_iter().find_map(|network| {
+        let rest = name.strip_prefix(network.name())?;
+        let plan = if rest.is_empty() { "e" } else { rest.strip_prefix('-')? };
+        matches!(plan, "e" | "c" | "q" | "d" | "t" | "sum").then_some((network, plan))
+    })
+}
+
+/// The exact plan of each objective, taken together.
+pub const ORACLE: &str = "oracle";
+
 /// A sentence for a name that is none.
 pub fn unknown(name: &str) -> String {
     let names: Vec<&str> = SCHEMES.iter().map(|(name, _)| *name).collect();
@@ -71,6 +128,15 @@ mod tests {
             assert!(plan(name, 5, 0).is_some(), "{name}");
         }
         assert!(plan("best", 5, 0).is_none());
+        assert!(plan("soarnet-fps", 5, 0).is_none() && plan("soarnet-", 5, 0).is_none());
+        assert_eq!(network("soarnet-poses"), Some((Network::Poses, "e")));
+        assert_eq!(network("soarnet-q"), Some((Network::Soarnet, "q")));
+        for (network, objective) in
+            [Network::Soarnet, Network::Poses].into_iter().zip(Objective::ALL)
+        {
+            let single = plan(network.single(objective), 5, 0).unwrap();
+            assert_eq!(single, Plan::single(objective, 5));
+        }
         assert!(unknown("best").contains("pc-fps"));
     }
 }

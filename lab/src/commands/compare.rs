@@ -1,27 +1,43 @@
 //! `cargo vantage compare`: exact scores of schemes over objects and budgets.
 
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
+use image::RgbImage;
 use indicatif::ProgressBar;
+use rayon::prelude::*;
 use vantage_core::planner::Plan;
 use vantage_core::{Camera, Objective, Pose, Scores};
 
-use super::ScoreArgs;
+use super::{ModelArgs, ScoreArgs};
 use crate::exact::{Labelled, Step};
+use crate::mesh::Chance;
+use crate::metrics;
+use crate::network::{self, Network};
 use crate::object::Object;
 use crate::pool::PoolArgs;
-use crate::record::{ComparisonRecord, ComparisonRow, Spread, SummaryRow};
+use crate::record::{
+    ComparisonRecord, ComparisonRow, Estimate, Measure, MetricRow, MetricsRecord, OfObjective,
+    Spread, SummaryRow,
+};
 use crate::scheme;
 
 /// Options of `compare`.
 #[derive(Args, Clone, Debug)]
 pub struct CompareArgs {
-    /// Objects: files, built-in names, or folders of GLB, glTF and OBJ files; every built-in one if
-    /// none is named
+    /// Objects: files, built-in names, classes, NAME:SEED for one made from another seed, or folders
+    /// of GLB, glTF and OBJ files; every built-in one if none is named
+    #[arg(conflicts_with = "procedural")]
     pub objects: Vec<String>,
-    /// Schemes, separated by commas
+    /// Compare on the first N objects of the test split of `dataset`'s, of the data set whose seed is
+    /// --object-seed: never trained on
+    #[arg(long, value_name = "N")]
+    pub procedural: Option<usize>,
+    /// Schemes, separated by commas: those of `plan`, where soarnet and soarnet-poses bring their
+    /// plans of each objective along, and oracle (c, q, d and t: the exact plan of each objective).
+    /// With oracle or a network, rank correlations and closed gaps are measured too
     #[arg(long, value_delimiter = ',', default_value = "random,fps,e,c,q,d,t,sum")]
     pub schemes: Vec<String>,
     /// Budgets, separated by commas
@@ -31,10 +47,15 @@ pub struct CompareArgs {
     #[arg(long, default_value_t = 5, value_name = "N")]
     pub seeds: u64,
     #[command(flatten)]
+    pub model: ModelArgs,
+    #[command(flatten)]
     pub pool: PoolArgs,
+    /// Draw other candidates from the sphere for each object and each seed
+    #[arg(long, conflicts_with_all = ["pool", "pool_seed", "space"])]
+    pub random_candidates: bool,
     #[command(flatten)]
     pub score: ScoreArgs,
-    /// Print rows and summary as JSON
+    /// Print rows, summary and metrics as JSON
     #[arg(long)]
     pub json: bool,
 }
@@ -45,13 +66,23 @@ struct Run {
     relative: Option<Scores>, // none where the oracle has not chosen yet
 }
 
+/// All runs of one object.
+#[derive(Default)]
+struct Compared {
+    runs: Vec<Run>,
+    measured: Vec<metrics::Run>,
+}
+
 /// Runs the comparison and prints it.
 pub fn run(args: &CompareArgs) -> Result<()> {
-    let objects = objects_of(&args.objects)?;
+    let objects = match args.procedural {
+        Some(count) => procedural(args.score.object_seed, count)?,
+        None => objects_of(&args.objects)?,
+    };
     let poses = args.pool.poses()?;
     for scheme in &args.schemes {
-        if scheme::plan(scheme, 1, 0).is_none() {
-            bail!(scheme::unknown(scheme));
+        if scheme != scheme::ORACLE && scheme::plan(scheme, 1, 0).is_none() {
+            bail!("{}, or {}", scheme::unknown(scheme), scheme::ORACLE);
         }
     }
     let (Some(&most), Some(&least)) = (args.budgets.iter().max(), args.budgets.iter().min()) else {
@@ -66,41 +97,80 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     scheme::plan("e", most, 0).context("the ensemble")?.check(poses.len())?;
 
     let camera = args.score.camera()?;
+    let networks = networks_of(args)?;
+    let comparison = Comparison { args, poses: &poses, camera: &camera, most, networks };
 
-    let mut runs = Vec::new();
-    let mut failed = 0;
-    let bar = super::progress("comparing", objects.len() * poses.len());
-    for (number, name) in objects.iter().enumerate() {
-        match compare_object(name, &poses, &camera, most, args, &bar) {
-            Ok(found) => runs.extend(found),
-            Err(error) => {
+    let bar = super::progress("comparing", objects.len() * comparison.views_labelled());
+    let compared = |(number, name): (usize, &String)| -> Option<Compared> {
+        let compared = comparison.object(number, name, &bar);
+        compared
+            .map_err(|error| {
                 bar.suspend(|| eprintln!("error: {name} is left out: {error:#}"));
-                failed += 1;
-            }
-        }
-        bar.set_position(((number + 1) * poses.len()) as u64);
-    }
+            })
+            .ok()
+    };
+    // Objects side by side are sooner done, but not if seconds of planning are the question.
+    let found: Vec<Option<Compared>> = if comparison.is_measured() {
+        objects.par_iter().enumerate().map(compared).collect()
+    } else {
+        objects.iter().enumerate().map(compared).collect()
+    };
     bar.finish_and_clear();
+    let failed = found.iter().filter(|found| found.is_none()).count();
     if failed == objects.len() {
         bail!("none of the objects could be compared");
     }
+    let (mut runs, mut measured) = (Vec::new(), Vec::new());
+    for found in found.into_iter().flatten() {
+        runs.extend(found.runs);
+        measured.extend(found.measured);
+    }
     let summary = summarise(&runs, args);
+    let metrics = comparison
+        .is_measured()
+        .then(|| metrics::summarise(&measured, &args.budgets, Plan::START_VIEWS));
     if args.json {
+        let drawn = args.random_candidates;
         let comparison = ComparisonRecord {
             rows: runs.into_iter().map(|run| run.row).collect(),
             summary,
-            pool_seed: args.pool.seed(),
+            pool_seed: args.pool.seed().filter(|_| !drawn),
             pool: args.pool.record(),
+            random_candidates: drawn,
             scoring: args.score.scoring(),
+            metrics,
         };
         super::print(&format!("{}\n", serde_json::to_string(&comparison)?))?;
     } else {
         super::print(&table(&summary, objects.len() - failed, args.seeds))?;
+        if let Some(metrics) = &metrics {
+            super::print(&metrics_table(metrics))?;
+        }
     }
     if failed > 0 {
         bail!("{failed} of {} objects were left out", objects.len());
     }
     Ok(())
+}
+
+/// The networks that the schemes ask.
+fn networks_of(args: &CompareArgs) -> Result<Vec<(scheme::Network, Network)>> {
+    let mut networks: Vec<(scheme::Network, Network)> = Vec::new();
+    for (network, _) in args.schemes.iter().filter_map(|scheme| scheme::network(scheme)) {
+        if !networks.iter().any(|(known, _)| *known == network) {
+            networks.push((network, args.model.open(network)?));
+        }
+    }
+    Ok(networks)
+}
+
+/// Names of the first objects of a data set's test split.
+fn procedural(seed: u64, count: usize) -> Result<Vec<String>> {
+    if !(1..=10_000).contains(&count) {
+        bail!("--procedural must lie between 1 and 10000, not be {count}");
+    }
+    let objects = crate::dataset::test_objects(seed, count);
+    Ok(objects.into_iter().map(|(class, seed)| format!("class:{class}:{seed}")).collect())
 }
 
 /// The files in folders, and whatever else is named.
@@ -132,54 +202,242 @@ fn is_mesh(path: &Path) -> bool {
     matches!(extension.as_deref(), Some("glb" | "gltf" | "obj"))
 }
 
-fn compare_object(
-    name: &str,
-    poses: &[Pose],
-    camera: &Camera,
-    most: usize,
-    args: &CompareArgs,
-    bar: &ProgressBar,
-) -> Result<Vec<Run>> {
-    let object = Object::open(Some(name), args.score.object_seed)?;
-    super::warn(&object, Some(bar));
-    let reading = args.score.reading();
-    let labelled = Labelled::new(&object.mesh, camera, poses.to_vec(), reading, || bar.inc(1));
+/// What all objects are compared by.
+struct Comparison<'a> {
+    args: &'a CompareArgs,
+    poses: &'a [Pose],
+    camera: &'a Camera,
+    most: usize, // the largest budget
+    networks: Vec<(scheme::Network, Network)>,
+}
 
-    let mut runs = Vec::new();
-    for seed in 0..args.seeds {
-        let steps_of = |name: &str| -> Result<Vec<Step>> {
-            let plan = scheme::plan(name, most, seed).with_context(|| scheme::unknown(name))?;
-            labelled.run(plan, || {})
+impl Comparison<'_> {
+    /// Whether rank correlations and closed gaps are wanted.
+    fn is_measured(&self) -> bool {
+        let oracle = self.args.schemes.iter().any(|scheme| scheme == scheme::ORACLE);
+        oracle || !self.networks.is_empty()
+    }
+
+    /// The network that a scheme asks.
+    fn network_of(&self, scheme: &str) -> Option<&Network> {
+        let (asked, _) = scheme::network(scheme)?;
+        self.networks.iter().find(|(known, _)| *known == asked).map(|(_, network)| network)
+    }
+
+    /// Candidates that are labelled for each object.
+    fn views_labelled(&self) -> usize {
+        let pools = if self.args.random_candidates { self.args.seeds as usize } else { 1 };
+        pools * self.poses.len()
+    }
+
+    fn object(&self, number: usize, name: &str, bar: &ProgressBar) -> Result<Compared> {
+        let args = self.args;
+        let views = self.views_labelled() as u64;
+        let mut object =
+            Object::open(Some(name), args.score.object_seed).inspect_err(|_| bar.inc(views))?;
+        // Two objects made from different seeds bear different names.
+        if name.starts_with("class:") {
+            object.name = name.trim_start_matches("class:").to_owned();
+        }
+        super::warn(&object, Some(bar));
+        let label = |poses: Vec<Pose>| {
+            let reading = args.score.reading();
+            Labelled::new(&object.mesh, self.camera, poses, reading, || bar.inc(1))
         };
-        let oracles = [steps_of("c")?, steps_of("q")?, steps_of("d")?, steps_of("t")?];
-        for scheme in &args.schemes {
-            let own = Objective::ALL.iter().position(|&o| scheme::oracle(o) == scheme);
-            let steps = match own {
-                Some(place) => oracles[place].clone(),
-                None => steps_of(scheme)?,
+        let mut compared = Compared::default();
+        let common = (!args.random_candidates).then(|| label(self.poses.to_vec()));
+        let mut photos = Vec::new();
+        for seed in 0..args.seeds {
+            let (pool_seed, own);
+            let labelled = match &common {
+                Some(labelled) => {
+                    pool_seed = args.pool.seed();
+                    labelled
+                }
+                None => {
+                    let drawn = seed_of(name, seed);
+                    pool_seed = Some(drawn);
+                    own = label(PoolArgs { pool_seed: drawn, ..args.pool.clone() }.poses()?);
+                    &own
+                }
             };
+            if photos.is_empty() || args.random_candidates {
+                let wanted = !self.networks.is_empty();
+                photos =
+                    if wanted { network::photos(&object.mesh, &labelled.poses)? } else { vec![] };
+            }
+            let one = OneSeed {
+                comparison: self,
+                name: &object.name,
+                labelled,
+                photos: &photos,
+                seed,
+                pool_seed,
+            };
+            one.compare(number, &mut compared)?;
+        }
+        Ok(compared)
+    }
+}
+
+/// The seed of candidates that are an object's own.
+fn seed_of(name: &str, seed: u64) -> u64 {
+    let salt = name.bytes().fold(0, |salt: u64, byte| salt.rotate_left(7) ^ u64::from(byte));
+    Chance::new(salt ^ seed << 48).bits()
+}
+
+/// One object with its candidates and one seed.
+struct OneSeed<'a> {
+    comparison: &'a Comparison<'a>,
+    name: &'a str,
+    labelled: &'a Labelled,
+    photos: &'a [RgbImage], // (candidates); empty where no network asks
+    seed: u64,
+    pool_seed: Option<u64>,
+}
+
+impl OneSeed<'_> {
+    fn compare(&self, number: usize, into: &mut Compared) -> Result<()> {
+        let args = self.comparison.args;
+        let mut done: HashMap<String, Vec<Step>> = HashMap::new();
+        for objective in Objective::ALL {
+            let name = scheme::oracle(objective);
+            done.insert(name.to_owned(), self.steps_of(name)?);
+        }
+        for scheme in &args.schemes {
+            for name in plans_of(scheme) {
+                if !done.contains_key(name) {
+                    done.insert(name.to_owned(), self.steps_of(name)?);
+                }
+            }
+        }
+        let oracles = Objective::ALL.map(|objective| done[scheme::oracle(objective)].as_slice());
+        for name in rows_of(&args.schemes) {
+            let steps = &done[name];
             // A greedy plan of a smaller budget is the beginning of one of a larger.
             for &budget in &args.budgets {
                 let Some(step) = steps.get(budget - 1) else { continue };
                 let row = ComparisonRow {
-                    object: object.name.clone(),
-                    scheme: scheme.clone(),
+                    object: self.name.to_owned(),
+                    scheme: name.to_owned(),
                     budget,
-                    seed,
+                    seed: self.seed,
+                    pool_seed: self.pool_seed,
                     scores: step.scores,
                     views: steps[..budget].iter().map(|step| step.next.index).collect(),
                     seconds: step.seconds,
                 };
                 let relative =
                     (budget > Plan::START_VIEWS).then(|| relative(&step.scores, &oracles, budget));
-                runs.push(Run { row, relative });
+                into.runs.push(Run { row, relative });
             }
         }
+        if self.comparison.is_measured() && self.comparison.most > Plan::START_VIEWS {
+            into.measured.push(self.measure(number, &done)?);
+        }
+        Ok(())
     }
-    Ok(runs)
+
+    fn steps_of(&self, name: &str) -> Result<Vec<Step>> {
+        let plan = scheme::plan(name, self.comparison.most, self.seed);
+        let plan = plan.with_context(|| scheme::unknown(name))?;
+        match self.comparison.network_of(name) {
+            None => self.labelled.run(plan, || {}),
+            Some(network) => network.run(self.labelled, self.photo(), plan, || {}),
+        }
+    }
+
+    /// What a candidate's camera takes.
+    fn photo(&self) -> impl Fn(usize) -> RgbImage {
+        |index| self.photos[index].clone()
+    }
+
+    /// Rank correlations and scores for closed gaps, of plans that are done.
+    fn measure(&self, number: usize, done: &HashMap<String, Vec<Step>>) -> Result<metrics::Run> {
+        let start = Plan::START_VIEWS;
+        let random = self.labelled.random_after_start(self.comparison.most, self.seed)?;
+        let path: Vec<usize> = random.iter().map(|step| step.next.index).collect();
+        let random: Vec<Scores> = random.iter().map(|step| step.scores).collect();
+        let exact = self.labelled.gains_along(&path, start)?;
+        // By objective, the scores of the plan for it.
+        let scores = |plan_for: &dyn Fn(Objective) -> Vec<Scores>| -> Vec<[f32; 4]> {
+            let plans = Objective::ALL.map(plan_for);
+            let score = |step: usize| {
+                Objective::ALL.map(|objective| plans[objective as usize][step].get(objective))
+            };
+            let length = plans.iter().map(Vec::len).min().unwrap_or(0);
+            (0..length).map(score).collect()
+        };
+        let scores_of = |steps: &[Step]| steps.iter().map(|step| step.scores).collect();
+        let scheme = |scheme: &String| -> Result<metrics::SchemeRun> {
+            let poses = &self.labelled.poses;
+            let predicted = match (scheme.as_str(), self.comparison.network_of(scheme)) {
+                (_, Some(network)) => {
+                    Some(network.gains_along(poses, self.photo(), &path, start)?)
+                }
+                ("fps", _) => Some(metrics::distances_along(poses, &path, start)),
+                (scheme::ORACLE, _) => Some(exact.clone()),
+                _ => None,
+            };
+            let spearman = predicted.map_or(Vec::new(), |predicted| {
+                metrics::rank_correlations(&path, start, &predicted, &exact)
+            });
+            let scores = scores(&|objective| match scheme.as_str() {
+                // Chance after the same first views, which the scheme itself is without.
+                "random" => random.clone(),
+                _ => scores_of(&done[plan_for(scheme, objective)]),
+            });
+            Ok(metrics::SchemeRun { scheme: scheme.clone(), scores, spearman })
+        };
+        Ok(metrics::Run {
+            number,
+            object: self.name.to_owned(),
+            schemes: self.comparison.args.schemes.iter().map(scheme).collect::<Result<_>>()?,
+            oracle: scores(&|objective| scores_of(&done[scheme::oracle(objective)])),
+            random,
+        })
+    }
 }
 
-fn relative(scores: &Scores, oracles: &[Vec<Step>; 4], budget: usize) -> Scores {
+/// The plans that a scheme of a comparison stands for: the first is its own.
+fn plans_of(scheme: &str) -> Vec<&str> {
+    match (scheme, family(scheme)) {
+        (scheme::ORACLE, _) => Objective::ALL.map(scheme::oracle).to_vec(),
+        (_, Some(network)) => {
+            let singles = Objective::ALL.map(|objective| network.single(objective));
+            [scheme].into_iter().chain(singles).collect()
+        }
+        _ => vec![scheme],
+    }
+}
+
+/// The plan of a scheme for one objective.
+fn plan_for(scheme: &str, objective: Objective) -> &str {
+    match (scheme, family(scheme)) {
+        (scheme::ORACLE, _) => scheme::oracle(objective),
+        (_, Some(network)) => network.single(objective),
+        _ => scheme,
+    }
+}
+
+/// The network whose plans of each objective belong to a scheme.
+fn family(scheme: &str) -> Option<scheme::Network> {
+    let networks = [scheme::Network::Soarnet, scheme::Network::Poses];
+    networks.into_iter().find(|network| network.name() == scheme)
+}
+
+/// All plans that have rows, each once, in the order of the schemes.
+fn rows_of(schemes: &[String]) -> Vec<&str> {
+    let mut rows: Vec<&str> = Vec::new();
+    for name in schemes.iter().flat_map(|scheme| plans_of(scheme)) {
+        if !rows.contains(&name) {
+            rows.push(name);
+        }
+    }
+    rows
+}
+
+fn relative(scores: &Scores, oracles: &[&[Step]; 4], budget: usize) -> Scores {
     let [coverage, geometry, diversity, texture] = Objective::ALL.map(|objective| {
         let best = oracles[objective as usize][budget - 1].scores.get(objective);
         // An object without texture scores 0 whatever is done: nothing is lost.
@@ -191,10 +449,10 @@ fn relative(scores: &Scores, oracles: &[Vec<Step>; 4], budget: usize) -> Scores 
 fn summarise(runs: &[Run], args: &CompareArgs) -> Vec<SummaryRow> {
     let mut summary = Vec::new();
     for &budget in &args.budgets {
-        for scheme in &args.schemes {
+        for scheme in rows_of(&args.schemes) {
             let chosen: Vec<&Run> = runs
                 .iter()
-                .filter(|run| run.row.scheme == *scheme && run.row.budget == budget)
+                .filter(|run| run.row.scheme == scheme && run.row.budget == budget)
                 .collect();
             let spread = |objective: Objective| {
                 let scores: Vec<f32> =
@@ -212,7 +470,7 @@ fn summarise(runs: &[Run], args: &CompareArgs) -> Vec<SummaryRow> {
             };
             let seconds: Vec<f32> = chosen.iter().map(|run| run.row.seconds as f32).collect();
             summary.push(SummaryRow {
-                scheme: scheme.clone(),
+                scheme: scheme.to_owned(),
                 budget,
                 runs: chosen.len(),
                 coverage: spread(Objective::Coverage),
@@ -266,9 +524,125 @@ fn table(summary: &[SummaryRow], objects: usize, seeds: u64) -> String {
     text
 }
 
+fn metrics_table(metrics: &MetricsRecord) -> String {
+    let line = |scheme: &str, budget: usize, of: &OfObjective<Estimate>, mean: &Estimate| {
+        let cells = [of.coverage, of.geometry, of.diversity, of.texture, *mean].map(|estimate| {
+            let Estimate { value, low, high } = estimate;
+            let interval = low.zip(high).map(|(low, high)| format!(" [{low:.2}, {high:.2}]"));
+            let cell = value.map_or("–".to_owned(), |value| format!("{value:.3}"));
+            format!(" {:>20}", cell + &interval.unwrap_or_default())
+        });
+        format!("{budget:>6}  {scheme:<24}{}\n", cells.concat())
+    };
+    let mut text = format!(
+        "\nAfter the same three first views by farthest points; means over objects with 95 % \
+         intervals from {} bootstrap\nresamples of the objects.\n",
+        metrics.resamples
+    );
+    let head = format!(
+        "{:>6}  {:<24} {:>20} {:>20} {:>20} {:>20} {:>20}\n",
+        "budget", "scheme", "coverage", "geometry", "diversity", "texture", "mean"
+    );
+    let section = |title: &str| format!("\n{title}\n\n{head}");
+    let rows = |rows: &[MetricRow]| -> String {
+        rows.iter().map(|row| line(&row.scheme, row.budget, &row.of_objective, &row.mean)).collect()
+    };
+    text += &section("Spearman's rank correlation of predicted with exact gains:");
+    text += &rows(&metrics.spearman);
+    text += &section("Closed gap, (scheme - random) / (exact oracle - random), ratio of means:");
+    text += &rows(&metrics.closed_gap);
+    for (measure, title) in [
+        (Measure::Spearman, "Paired differences of the rank correlations:"),
+        (Measure::ClosedGap, "Paired differences of the closed gaps:"),
+    ] {
+        let rows: String = metrics
+            .differences
+            .iter()
+            .filter(|row| row.measure == measure)
+            .map(|row| {
+                let name = format!("{} - {}", row.scheme, row.minus);
+                line(&name, row.budget, &row.of_objective, &row.mean)
+            })
+            .collect();
+        if !rows.is_empty() {
+            text += &section(title);
+            text += &rows;
+        }
+    }
+    text
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[derive(clap::Parser)]
+    struct Cli {
+        #[command(flatten)]
+        compare: CompareArgs,
+    }
+
+    fn says(arguments: &[&str]) -> String {
+        match <Cli as clap::Parser>::try_parse_from(["compare"].iter().chain(arguments)) {
+            Ok(Cli { compare }) => format!("{:#}", run(&compare).unwrap_err()),
+            Err(error) => error.to_string(),
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_compared_is_said() {
+        for (arguments, words) in [
+            (&["--schemes", "best"][..], "no scheme `best`"),
+            (&["--schemes", "soarnet-poses"], "--poses-model"),
+            (
+                &["--schemes", "soarnet", "--model", "none.model"],
+                "cannot read the model none.model",
+            ),
+            (&["--budgets", "0"], "a budget is 0"),
+            (&["--budgets", "101"], "larger than the 100 candidates"),
+            (&["--seeds", "0"], "--seeds is 0"),
+            (&["--procedural", "0"], "--procedural must lie"),
+            (&["chair", "--procedural", "2"], "cannot be used with"),
+            (&["--random-candidates", "--space", "rings"], "cannot be used with"),
+            (&["no-such-object", "--budgets", "4"], "none of the objects"),
+        ] {
+            let found = says(arguments);
+            assert!(found.contains(words), "{found}");
+        }
+    }
+
+    #[test]
+    fn schemes_stand_for_plans() {
+        let schemes = ["fps", "oracle", "soarnet", "c"].map(str::to_owned);
+        let rows = [
+            "fps",
+            "c",
+            "q",
+            "d",
+            "t",
+            "soarnet",
+            "soarnet-c",
+            "soarnet-q",
+            "soarnet-d",
+            "soarnet-t",
+        ];
+        assert_eq!(rows_of(&schemes), rows);
+        assert_eq!(plan_for("soarnet-poses", Objective::Texture), "soarnet-poses-t");
+        assert_eq!(plan_for("soarnet-q", Objective::Texture), "soarnet-q");
+        assert_eq!(plan_for("oracle", Objective::Diversity), "d");
+    }
+
+    #[test]
+    fn procedural_objects_are_of_the_test_split() {
+        let names = procedural(0, 12).unwrap();
+        assert_eq!(names, procedural(0, 12).unwrap());
+        assert_ne!(names, procedural(1, 12).unwrap());
+        assert!(names.iter().any(|name| name.starts_with("class:fan:")));
+        for name in &names {
+            Object::open(Some(name), 0).unwrap();
+        }
+        assert!(procedural(0, 0).is_err());
+    }
 
     #[test]
     fn mean_and_spread_of_known_values() {

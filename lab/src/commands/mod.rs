@@ -7,7 +7,7 @@ pub mod plan;
 
 use std::fs;
 use std::io::{ErrorKind, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
@@ -18,9 +18,11 @@ use vantage_core::Camera;
 use vantage_core::objectives::Reading;
 
 use crate::label::RESOLUTION;
+use crate::network::{self, Network};
 use crate::object::Object;
 use crate::pool::FOV_X_RAD;
 use crate::record::Scoring;
+use crate::scheme;
 
 /// A bar on the error stream, with the time left; invisible where that is no terminal.
 fn progress(what: &'static str, steps: usize) -> ProgressBar {
@@ -63,6 +65,46 @@ impl ScoreArgs {
             object_seed: self.object_seed,
         }
     }
+}
+
+/// Which networks predict.
+#[derive(Args, Clone, Debug, Default)]
+pub struct ModelArgs {
+    /// The network of the schemes soarnet… [default: the one that comes with the program]
+    #[arg(long, value_name = "FILE")]
+    pub model: Option<PathBuf>,
+    /// The network without images of the schemes soarnet-poses…
+    #[arg(long, value_name = "FILE")]
+    pub poses_model: Option<PathBuf>,
+}
+
+impl ModelArgs {
+    /// The network that a scheme asks, if it asks one.
+    fn network_of(&self, scheme: &str) -> Result<Option<Network>> {
+        scheme::network(scheme).map(|(network, _)| self.open(network)).transpose()
+    }
+
+    fn open(&self, network: scheme::Network) -> Result<Network> {
+        match network {
+            scheme::Network::Soarnet => Network::open(self.model.as_deref()),
+            scheme::Network::Poses => {
+                let file = self.poses_model.as_deref();
+                let file = file.context(
+                    "the scheme soarnet-poses needs a network without images: --poses-model FILE",
+                )?;
+                let network = Network::open(Some(file))?;
+                if network.sees()? {
+                    bail!("the model {} looks at images: give it as --model", file.display());
+                }
+                Ok(network)
+            }
+        }
+    }
+}
+
+/// The scheme of a plan, if none is named: the network's, or `otherwise` where none comes along.
+fn default_scheme<'a>(model: &ModelArgs, otherwise: &'a str) -> &'a str {
+    if model.model.is_some() || network::SHIPPED.is_some() { "soarnet" } else { otherwise }
 }
 
 /// A side of a picture that can be rendered.

@@ -1,5 +1,6 @@
 //! `cargo vantage plan --photos`: the next views of a capture in progress.
 
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -11,10 +12,12 @@ use vantage_core::{Pose, Scores, Vec3};
 use super::plan::{self, PlanArgs};
 use crate::export::Staging;
 use crate::heap::Heap;
+use crate::network::{self, Network};
 use crate::photos::words::{azimuth_deg, elevation_deg, way};
 use crate::photos::{Capture, Known, Layout, Photo};
-use crate::pool::{self, PoolArgs};
+use crate::pool::{self, DISTANCE, PoolArgs};
 use crate::record::{NextRecord, PhotoRecord, PhotosRecord, Seconds, SkippedRecord};
+use crate::report;
 use crate::scheme;
 
 /// Options of `plan --photos`.
@@ -33,8 +36,8 @@ pub struct PhotosArgs {
     /// all optical axes]
     #[arg(long, value_name = "X,Y,Z", value_parser = three, requires = "photos", allow_hyphen_values = true)]
     pub centre: Option<[f64; 3]>,
-    /// The radius of the object's bounding sphere, likewise [default: of the largest sphere around
-    /// the middle that half of the photos show whole]
+    /// The radius of the object's bounding sphere, likewise [default: of the largest sphere there that
+    /// half of the photos could show whole]
     #[arg(long, value_name = "R", requires = "photos")]
     pub radius: Option<f64>,
     /// The upward direction, likewise [default: the mean of the cameras']
@@ -48,9 +51,6 @@ fn three(text: &str) -> Result<[f64; 3], String> {
     let numbers = numbers.map_err(|error| error.to_string())?;
     numbers.try_into().map_err(|_| "three numbers with commas between them are needed".to_owned())
 }
-
-/// The scheme, if none is named.
-const DEFAULT: &str = "fps";
 
 /// So far from each other, in degrees, are the views named, where there are such views.
 const APART_DEG: f32 = 30.0;
@@ -67,10 +67,14 @@ struct Candidate {
 /// Names the next views.
 pub fn run(args: &PlanArgs, folder: &Path) -> Result<()> {
     // Whatever can be refused is refused before the long work.
-    let scheme = args.scheme.as_deref().unwrap_or(DEFAULT);
+    let scheme = args.scheme.as_deref().unwrap_or(super::default_scheme(&args.model, "fps"));
     plan::with_options(args, scheme, 1)?;
-    if !scheme::needs_poses_only(scheme) {
-        bail!("the scheme {scheme} needs a mesh: from photos choose one of fps, pc-fps, random");
+    let network = args.model.network_of(scheme)?;
+    if network.is_none() && !scheme::needs_poses_only(scheme) {
+        bail!(
+            "the scheme {scheme} needs a mesh: from photos choose soarnet, soarnet-c, -q, -d, -t or \
+             -sum, fps, pc-fps, or random"
+        );
     }
     if args.photos.next == 0 {
         bail!("--next is 0: ask for at least one view");
@@ -98,9 +102,18 @@ pub fn run(args: &PlanArgs, folder: &Path) -> Result<()> {
     let reached = reached(&capture.photos);
     let pool = args.pool.around(capture.photos.len(), reached);
     let candidates = candidates(&pool, &capture.layout)?;
-    let plan = plan::with_options(args, scheme, capture.photos.len() + 1)?;
+    let mut views = capture.photos.len();
+    if network.is_some() && views > network::MOST_VIEWS {
+        eprintln!(
+            "warning: the network remembers {} photos: those farthest from each other are used",
+            network::MOST_VIEWS
+        );
+        views = network::MOST_VIEWS;
+    }
+    let plan = plan::with_options(args, scheme, views + 1)?;
     let poses = candidates.iter().map(|candidate| candidate.pose).collect();
-    let (next, scores) = propose(args.photos.next, &capture.photos, poses, plan)?;
+    let count = args.photos.next;
+    let (next, scores) = propose(count, &capture.photos, poses, plan, network.as_ref())?;
     seconds.plan = start.elapsed().as_secs_f64();
 
     let record = PhotosRecord {
@@ -135,6 +148,11 @@ pub fn run(args: &PlanArgs, folder: &Path) -> Result<()> {
     };
     if let Some(staging) = staging {
         super::save_json(&staging.path().join("next.json"), &record)?;
+        let directions: Vec<Vec3> =
+            candidates.iter().map(|candidate| candidate.pose.position() / DISTANCE).collect();
+        let page = report::photos::page(&record, &capture, &directions)?;
+        let path = staging.path().join("report.html");
+        fs::write(&path, page).with_context(|| format!("cannot write {}", path.display()))?;
         let folder = staging.commit()?;
         eprintln!("wrote {}", folder.display());
     }
@@ -179,7 +197,7 @@ fn candidates(args: &PoolArgs, layout: &Layout) -> Result<Vec<Candidate>> {
     given.into_iter().enumerate().map(candidate).collect()
 }
 
-/// The next views by a plan, with the scores of the photos where the scheme knows any.
+/// The next views by a plan, with the scores of the photos where a network predicts them.
 ///
 /// The scorer is chosen here and nowhere else.
 fn propose(
@@ -187,12 +205,42 @@ fn propose(
     photos: &[Photo],
     candidates: Vec<Pose>,
     plan: Plan,
+    network: Option<&Network>,
 ) -> Result<(Vec<NextView>, Option<Scores>)> {
-    let mut session = Session::try_new(Heap::default(), candidates, Blind, plan)?;
-    for photo in photos {
-        session.observe_elsewhere(photo.pose, &())?;
+    let Some(network) = network else {
+        let mut session = Session::try_new(Heap::default(), candidates, Blind, plan)?;
+        for photo in photos {
+            session.observe_elsewhere(photo.pose, &())?;
+        }
+        return Ok((apart(&mut session, count)?, None));
+    };
+    let scorer = network.scorer(&candidates, photos.len())?;
+    let remembered = spread(photos, scorer.view_capacity());
+    let mut session = Session::try_new(Heap::default(), candidates, scorer, plan)?;
+    for photo in remembered {
+        let observed = session.observe_elsewhere(photo.pose, &network::shot(&photo.window)?);
+        observed
+            .with_context(|| format!("photo {}, {}, cannot be used", photo.number, photo.file))?;
     }
-    Ok((apart(&mut session, count)?, None))
+    let scores = session.scores();
+    Ok((apart(&mut session, count)?, Some(scores)))
+}
+
+/// As many photos as a network remembers: all, or those farthest from each other, in their order.
+fn spread(photos: &[Photo], most: usize) -> Vec<&Photo> {
+    let mut kept: Vec<usize> = Vec::new();
+    let mut nearest = vec![f32::INFINITY; photos.len()];
+    while kept.len() < most.min(photos.len()) {
+        let farthest = (0..photos.len()).rev().max_by(|&a, &b| nearest[a].total_cmp(&nearest[b]));
+        let Some(next) = farthest else { break };
+        kept.push(next);
+        for (nearest, photo) in nearest.iter_mut().zip(photos) {
+            *nearest = nearest.min(photo.direction.distance(photos[next].direction));
+        }
+        nearest[next] = -1.0;
+    }
+    kept.sort_unstable();
+    kept.into_iter().map(|index| &photos[index]).collect()
 }
 
 /// The next view, and others in case it and its neighbours cannot be reached.
@@ -207,8 +255,11 @@ fn apart<S: Scorer>(session: &mut Session<S, Heap>, count: usize) -> Result<Vec<
             chosen.push(next);
             continue;
         }
-        // Nothing is left so far apart: look more closely.
-        apart *= 0.5;
+        // Nothing is left so far apart: look more closely, and in the end at every single view.
+        if apart == 0.0 {
+            break;
+        }
+        apart = if apart < 1e-3 { 0.0 } else { 0.5 * apart };
         for index in 0..places.len() {
             session.unblock(index)?;
         }
@@ -293,6 +344,12 @@ fn table(record: &PhotosRecord) -> String {
         "the object: around ({x:.3}, {y:.3}, {z:.3}), radius {:.3}, seen from {:.3} in the middle\n",
         record.radius, record.distance
     );
+    if let Some(Scores { coverage, geometry, diversity, texture }) = record.scores {
+        text += &format!(
+            "predicted scores so far: coverage {coverage:.3}, geometry {geometry:.3}, diversity \
+             {diversity:.3}, texture {texture:.3}\n"
+        );
+    }
     for note in &record.notes {
         text += &format!("note: {note}\n");
     }
@@ -319,4 +376,109 @@ fn table(record: &PhotosRecord) -> String {
     }
     let Seconds { load, plan, .. } = record.seconds;
     text + &format!("seconds: load {load:.2}, plan {plan:.3}\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Parser;
+
+    #[derive(Parser)]
+    struct Cli {
+        #[command(flatten)]
+        plan: PlanArgs,
+    }
+
+    fn says(arguments: &[&str]) -> String {
+        let whole = ["plan"].iter().chain(arguments);
+        match Cli::try_parse_from(whole) {
+            Ok(Cli { plan }) => format!("{:#}", plan::run(&plan).unwrap_err()),
+            Err(error) => error.to_string(),
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_asked_of_photos_is_said() {
+        let here = ["--photos", "."];
+        for (more, words) in [
+            (vec!["--scheme", "e"], "needs a mesh"),
+            (vec!["--scheme", "best"], "no scheme `best`"),
+            (vec!["--scheme", "soarnet-poses"], "--poses-model"),
+            (
+                vec!["--scheme", "soarnet", "--model", "none.model"],
+                "cannot read the model none.model",
+            ),
+            (vec!["--next", "0"], "--next is 0"),
+            (vec!["chair"], "cannot be used with"),
+            (vec!["--budget", "5"], "cannot be used with"),
+            (vec!["--centre", "1,2"], "three numbers"),
+            (vec!["--scheme", "fps"], "holds no transforms.json"),
+        ] {
+            let found = says(&[here.as_slice(), &more].concat());
+            assert!(found.contains(words), "{found}");
+        }
+        assert!(says(&["--next", "3"]).contains("--photos"));
+    }
+
+    fn photo(direction: Vec3) -> Photo {
+        Photo {
+            number: 1,
+            file: String::new(),
+            position: direction.as_dvec3(),
+            direction,
+            pose: Pose::looking_at(direction * DISTANCE, Vec3::ZERO).unwrap(),
+            window: image::RgbImage::new(64, 64),
+            picture: image::RgbImage::new(4, 4),
+        }
+    }
+
+    #[test]
+    fn further_views_lie_apart() {
+        let args = PoolArgs {
+            candidates: Some(200),
+            pool_seed: 0,
+            space: Some(pool::Space::Fibonacci),
+            min_elevation: None,
+            max_elevation: None,
+            rings: 4,
+            pool: None,
+        };
+        let photos = [photo(Vec3::X), photo(Vec3::Y), photo(Vec3::NEG_X)];
+        let poses = args.poses().unwrap();
+        let (next, scores) =
+            propose(6, &photos, poses.clone(), Plan::farthest_point(4), None).unwrap();
+        assert_eq!((next.len(), scores), (6, None));
+        for (place, one) in next.iter().enumerate() {
+            for other in &next[..place] {
+                let angle = one.pose.position().angle_between(other.pose.position());
+                assert!(angle.to_degrees() >= APART_DEG);
+            }
+        }
+        // More than there is room for so far apart, and more than there are.
+        let all = propose(500, &photos, poses, Plan::farthest_point(4), None).unwrap().0;
+        let mut indices: Vec<usize> = all.iter().map(|next| next.index).collect();
+        indices.sort_unstable();
+        assert_eq!(indices, (0..200).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn a_network_names_views_and_scores() {
+        let photos = [photo(Vec3::X), photo(Vec3::Y), photo(Vec3::NEG_X)];
+        let poses: Vec<Pose> = [Vec3::Z, Vec3::NEG_Y, Vec3::NEG_Z, Vec3::ONE]
+            .map(|eye| Pose::looking_at(eye.normalize() * DISTANCE, Vec3::ZERO).unwrap())
+            .into();
+        let network = network::tests::network();
+        let (next, scores) = propose(2, &photos, poses, Plan::ensemble(4), Some(&network)).unwrap();
+        assert_eq!(next.len(), 2);
+        assert_eq!(next[0].objective, Some(vantage_core::Objective::Coverage));
+        assert!(scores.is_some());
+    }
+
+    #[test]
+    fn photos_beyond_a_networks_memory_are_the_close_ones() {
+        let photos = [photo(Vec3::X), photo(Vec3::new(1.0, 0.01, 0.0)), photo(Vec3::NEG_X)];
+        let kept: Vec<Vec3> = spread(&photos, 2).iter().map(|photo| photo.direction).collect();
+        assert_eq!(kept, [Vec3::X, Vec3::NEG_X]);
+        assert_eq!(spread(&photos, 256).len(), 3);
+    }
 }

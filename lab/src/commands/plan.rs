@@ -10,10 +10,11 @@ use vantage_core::candidates::{Pool, ViewSpace};
 use vantage_core::planner::{Plan, Start, Stop, shortest_tour};
 use vantage_core::{Camera, Pose, Scores, Vec3};
 
-use super::ScoreArgs;
 use super::photos::PhotosArgs;
+use super::{ModelArgs, ScoreArgs};
 use crate::exact::{Labelled, Step};
 use crate::export::{self, Capture, Photo, Profile, Staging};
+use crate::network;
 use crate::object::Object;
 use crate::pool::{DISTANCE, FOV_X_RAD, PoolArgs};
 use crate::record::{Curve, Normalise, PlanRecord, Seconds, ViewRecord, matrix_of};
@@ -32,11 +33,15 @@ pub struct PlanArgs {
     /// Number of views to choose
     #[arg(long, short, default_value_t = 20, value_name = "B", conflicts_with = "photos")]
     pub budget: usize,
-    /// How views are chosen: e (the ensemble), e-literal, c, q, d or t (one objective alone), sum,
-    /// fps (farthest-point sampling), pc-fps (the same after pseudo-coverage), random [default: e;
-    /// with --photos fps]
+    /// How views are chosen. Predicted by a network: soarnet (the ensemble), soarnet-c, -q, -d or -t
+    /// (one objective alone), soarnet-sum; soarnet-poses… without looking at photos. Exactly, from
+    /// the mesh: e, e-literal, c, q, d, t, sum. By poses: fps (farthest-point sampling), pc-fps (the
+    /// same after pseudo-coverage), random [default: soarnet where there is a network, else e, or
+    /// fps with --photos]
     #[arg(long, short, value_name = "S")]
     pub scheme: Option<String>,
+    #[command(flatten)]
+    pub model: ModelArgs,
     #[command(flatten)]
     pub photos: PhotosArgs,
     #[command(flatten)]
@@ -55,7 +60,8 @@ pub struct PlanArgs {
     pub stop: Option<f32>,
     #[command(flatten)]
     pub score: ScoreArgs,
-    /// Folder to write: photos, transforms.json, COLMAP model, plan.json, report.html; new or empty
+    /// Folder to write: photos, transforms.json, COLMAP model, plan.json, report.html; with --photos
+    /// next.json and report.html; new or empty
     #[arg(long, short, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Layout of the folder
@@ -90,7 +96,7 @@ pub enum ProfileArg {
 impl PlanArgs {
     /// The scheme for an object.
     fn scheme(&self) -> &str {
-        self.scheme.as_deref().unwrap_or("e")
+        self.scheme.as_deref().unwrap_or(super::default_scheme(&self.model, "e"))
     }
 }
 
@@ -114,6 +120,7 @@ pub fn run(args: &PlanArgs) -> Result<()> {
     let label_camera = args.score.camera()?;
     let poses = args.pool.poses()?;
     plan.check(poses.len())?;
+    let network = args.model.network_of(args.scheme())?;
     let staging = args.out.as_deref().map(Staging::begin).transpose()?;
 
     let start = Instant::now();
@@ -129,7 +136,13 @@ pub fn run(args: &PlanArgs) -> Result<()> {
     seconds.label = start.elapsed().as_secs_f64();
 
     let bar = super::progress("planning", args.budget);
-    let steps = labelled.run(plan, || bar.inc(1))?;
+    let steps = match &network {
+        None => labelled.run(plan, || bar.inc(1))?,
+        Some(network) => {
+            let photos = network::photos(&object.mesh, &labelled.poses)?;
+            network.run(&labelled, |index| photos[index].clone(), plan, || bar.inc(1))?
+        }
+    };
     bar.finish_and_clear();
     seconds.plan = steps.last().map_or(0.0, |step| step.seconds);
 

@@ -147,29 +147,53 @@ impl Parameters {
 
     /// What object `number` is.
     pub(super) fn assignment(&self, number: u32) -> Assignment {
-        let seed = Chance::new(self.seed ^ u64::from(number) << 32).bits();
+        let seed = seed_of(self.seed, number);
         let (name, class) = match self.files.get(number as usize) {
             Some(file) => {
                 let stem = Path::new(&file.name).file_stem().unwrap_or_default();
                 (stem.to_string_lossy().into_owned(), "file")
             }
             None => {
-                // `freeform` is the last class, after one of each other.
-                let ordinary = CLASSES.len() - 1;
-                let place = number as usize % (ordinary + FREEFORM_SHARE);
-                let class = CLASSES[place.min(ordinary)];
+                let class = class_of(number);
                 (format!("{class}-{number:06}"), class)
             }
         };
-        // By the object's number alone, so that a larger data set keeps the division of a smaller.
-        let split = match Chance::new(u64::from(number)).bits() % 10 {
-            _ if HELD_OUT_CLASSES.contains(&class) => Split::Test,
-            0 => Split::Test,
-            1 => Split::Validation,
-            _ => Split::Train,
-        };
+        let split = split_of(number, class);
         Assignment { name, class: class.to_owned(), seed, split }
     }
+}
+
+/// The seed of an object, in a data set of some seed.
+fn seed_of(seed: u64, number: u32) -> u64 {
+    Chance::new(seed ^ u64::from(number) << 32).bits()
+}
+
+/// The class of an object that is made here.
+fn class_of(number: u32) -> &'static str {
+    // `freeform` is the last class, after one of each other.
+    let ordinary = CLASSES.len() - 1;
+    CLASSES[(number as usize % (ordinary + FREEFORM_SHARE)).min(ordinary)]
+}
+
+/// By the object's number alone, so that a larger data set keeps the division of a smaller.
+fn split_of(number: u32, class: &str) -> Split {
+    match Chance::new(u64::from(number)).bits() % 10 {
+        _ if HELD_OUT_CLASSES.contains(&class) => Split::Test,
+        0 => Split::Test,
+        1 => Split::Validation,
+        _ => Split::Train,
+    }
+}
+
+/// The first objects of the test split of a data set of some seed, made here: class and seed, as
+/// [`mesh::class`](crate::mesh::class) takes them.
+pub fn test_objects(seed: u64, count: usize) -> Vec<(&'static str, u64)> {
+    (0..u32::MAX)
+        .map(|number| (number, class_of(number)))
+        .filter(|&(number, class)| split_of(number, class) == Split::Test)
+        .map(|(number, class)| (class, seed_of(seed, number)))
+        .take(count)
+        .collect()
 }
 
 /// Where an object's shard lies in the folder.

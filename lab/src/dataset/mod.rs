@@ -47,7 +47,9 @@ mod write;
 
 pub use data::{ObjectData, State, TestViews, Trajectory, Views};
 pub use error::{DatasetError, ShardError};
-pub use manifest::{Entry, HELD_OUT_CLASSES, Manifest, Parameters, SourceFile, Split};
+pub use manifest::{
+    Entry, HELD_OUT_CLASSES, Manifest, Parameters, SourceFile, Split, test_objects,
+};
 pub use write::{Written, files_of, write};
 
 /// A finished data set, open for reading; may be shared between threads.

@@ -36,23 +36,14 @@ impl Taken {
         (z < 0.0).then(|| [cx - fx * x / z, cy + fy * y / z])
     }
 
-    /// The radius of the largest sphere around a point that the photo shows whole; negative where
-    /// it does not show the point.
-    fn fits(&self, point: DVec3) -> f64 {
-        let seen = self.rotation.inverse() * (point - self.position);
-        let Lens { focal, centre, size } = self.lens;
-        // Distances to the four planes through the camera and the picture's edges.
-        let margin = |along: f64, axis: usize, before: f64| {
-            (before * -seen.z + focal[axis] * along) / before.hypot(focal[axis])
-        };
-        [
-            margin(seen.x, 0, centre[0]),
-            margin(-seen.x, 0, size[0] - centre[0]),
-            margin(-seen.y, 1, centre[1]),
-            margin(seen.y, 1, size[1] - centre[1]),
-        ]
-        .into_iter()
-        .fold(f64::INFINITY, f64::min)
+    /// The radius of the largest sphere at a point's distance that the photo could show whole;
+    /// `None` where it does not show the point.
+    fn frames(&self, point: DVec3) -> Option<f64> {
+        let Lens { focal, size, .. } = self.lens;
+        let place = self.project(point)?;
+        let inside = (0..2).all(|axis| (0.0..=size[axis]).contains(&place[axis]));
+        let sine = |axis: usize| 0.5 * size[axis] / focal[axis].hypot(0.5 * size[axis]);
+        inside.then(|| self.position.distance(point) * sine(0).min(sine(1)))
     }
 }
 
@@ -114,9 +105,8 @@ impl Layout {
             Some(radius) if radius.is_finite() && radius > 0.0 => radius,
             Some(_) => return Err(PhotosError::BadOption("--radius")),
             None => {
-                let fits = cameras.iter().map(|camera| camera.fits(centre));
-                median(fits.filter(|radius| *radius > 0.0).collect())
-                    .ok_or(PhotosError::NotFramed)?
+                let framed = cameras.iter().filter_map(|camera| camera.frames(centre));
+                median(framed.collect()).ok_or(PhotosError::NotFramed)?
             }
         };
         let plan_from_file = DQuat::from_rotation_arc(up, DVec3::Z);

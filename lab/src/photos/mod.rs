@@ -24,8 +24,9 @@
 //! reported; everything else that is wrong is an error, before anything is planned.
 //!
 //! **Centre:** the point nearest to all optical axes, with little regard to those that pass far off.
-//! **Radius:** of the largest sphere around it that half of the photos show whole, since people
-//! frame what they photograph. **Up:** the mean of the cameras' upward directions. Each can be
+//! **Radius:** of the largest sphere there that half of the photos could show whole if they were
+//! aimed at it, since people fill their pictures with what they photograph but do not aim exactly.
+//! **Up:** the mean of the cameras' upward directions. Each can be
 //! [`Known`] instead.
 
 use std::fs;
@@ -233,8 +234,8 @@ fn taken((number, frame, decoded): &Usable<'_>) -> Result<Taken, PhotosError> {
         why,
     })?;
     let small = [decoded.small.width(), decoded.small.height()].map(f64::from);
-    for axis in 0..2 {
-        let scale = small[axis] / lens.size[axis];
+    for (axis, side) in small.into_iter().enumerate() {
+        let scale = side / lens.size[axis];
         lens.focal[axis] *= scale;
         lens.centre[axis] *= scale;
     }

@@ -99,7 +99,8 @@ fn a_few_photos_of_something_else_do_not_move_the_centre_far() {
 fn cameras_on_their_side_have_their_up_too() {
     let mut value = transforms(8);
     for (frame, pose) in value["frames"].as_array_mut().unwrap().iter_mut().zip(ring(8, 4.0)) {
-        let rolled = pose.rotation() * vantage_core::Quat::from_rotation_z(1.5708);
+        let rolled =
+            pose.rotation() * vantage_core::Quat::from_rotation_z(std::f32::consts::FRAC_PI_2);
         frame["transform_matrix"] = matrix(&Pose::try_new(pose.position(), rolled).unwrap());
     }
     let capture = open(&folder(&value, &[[40, 30]; 8])).unwrap();

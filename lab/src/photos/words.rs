@@ -15,6 +15,13 @@ pub fn azimuth_deg(direction: Vec3) -> f32 {
     direction.y.atan2(direction.x).to_degrees()
 }
 
+/// The direction of an azimuth and an elevation in degrees, unit length.
+pub fn towards(azimuth_deg: f32, elevation_deg: f32) -> Vec3 {
+    let (azimuth, elevation) = (azimuth_deg.to_radians(), elevation_deg.to_radians());
+    let (sin, cos) = azimuth.sin_cos();
+    Vec3::new(cos, sin, 0.0) * elevation.cos() + Vec3::Z * elevation.sin()
+}
+
 /// How to get from one direction to another, both of unit length from the object's middle:
 /// left and right are those of someone who stands at `from` and faces the object.
 ///
@@ -62,12 +69,6 @@ pub fn way(from: Vec3, to: Vec3, name: &str) -> String {
 mod tests {
     use super::*;
 
-    fn towards(azimuth: f32, elevation: f32) -> Vec3 {
-        let (azimuth, elevation) = (azimuth.to_radians(), elevation.to_radians());
-        let (sin, cos) = azimuth.sin_cos();
-        Vec3::new(cos, sin, 0.0) * elevation.cos() + Vec3::Z * elevation.sin()
-    }
-
     #[test]
     fn left_is_left_of_who_faces_the_object() {
         // At +x, facing -x with +z up, the right hand points to +y: to growing azimuths.
@@ -77,6 +78,13 @@ mod tests {
         assert_eq!(words, "30 degrees to the left of photo 12, slightly higher");
         let words = way(towards(170.0, 10.0), towards(-170.0, 10.0), "photo 1");
         assert_eq!(words, "20 degrees to the right of photo 1, at the same height");
+    }
+
+    #[test]
+    fn angles_and_directions_agree() {
+        let direction = towards(-140.0, 35.0);
+        assert!((azimuth_deg(direction) + 140.0).abs() < 1e-3);
+        assert!((elevation_deg(direction) - 35.0).abs() < 1e-3);
     }
 
     #[test]

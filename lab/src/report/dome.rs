@@ -21,19 +21,58 @@ const MARGIN: f32 = 44.0;
 /// Points drawn along each leg of the tour, which follows the sphere.
 const LEG_STEPS: usize = 40;
 
+/// What is drawn: places in world, metres.
+#[derive(Clone, Debug)]
+pub struct Cameras<'a> {
+    /// What stands in the middle.
+    pub object: &'a str,
+    /// Cameras to choose from, shape (candidates).
+    pub candidates: &'a [Vec3],
+    /// Cameras whose photos were there before, shape (photos).
+    pub taken: &'a [Vec3],
+    /// The chosen cameras, in order.
+    pub views: Vec<Shown<'a>>,
+    /// Positions into `views`, joined by a line.
+    pub tour: &'a [usize],
+}
+
+/// A chosen camera.
+#[derive(Clone, Copy, Debug)]
+pub struct Shown<'a> {
+    /// Its centre; what is not finite is drawn in the middle.
+    pub position: Vec3,
+    /// The objective that chose it, by name.
+    pub objective: Option<&'a str>,
+    /// Why it was chosen.
+    pub reason: &'a str,
+}
+
+impl<'a> Cameras<'a> {
+    /// The cameras of a plan.
+    pub fn of_plan(plan: &'a PlanRecord, candidates: &'a [Vec3]) -> Self {
+        let shown = |view: &'a ViewRecord| Shown {
+            position: Vec3::from_array(view.position),
+            objective: view.objective.as_deref(),
+            reason: &view.reason,
+        };
+        let views = plan.views.iter().map(shown).collect();
+        Self { object: &plan.object, candidates, taken: &[], views, tour: &plan.tour }
+    }
+}
+
 /// The view from above, one `<svg>` element.
 ///
-/// Colours come from the page: classes `candidate`, `tour`, `ring`, `axis`, `view` and the name of the
-/// objective (or `plain`). `candidates`: camera centres in world, shape (candidates).
-pub fn from_above(plan: &PlanRecord, candidates: &[Vec3]) -> String {
-    let lowest = positions(plan, candidates).map(zenith_angle).fold(FRAC_PI_2, f32::max);
+/// Colours come from the page: classes `candidate`, `taken`, `tour`, `ring`, `axis`, `view` and the
+/// name of the objective (or `plain`).
+pub fn from_above(cameras: &Cameras<'_>) -> String {
+    let lowest = positions(cameras).map(zenith_angle).fold(FRAC_PI_2, f32::max);
     let scale = (MIDDLE - MARGIN) / lowest.clamp(FRAC_PI_2 + 0.1, PI);
     let map = |position: Vec3| {
         let azimuth = position.y.atan2(position.x);
         let radius = scale * zenith_angle(position);
         (MIDDLE + radius * azimuth.cos(), MIDDLE - radius * azimuth.sin())
     };
-    let mut svg = opening("The cameras from above", plan);
+    let mut svg = opening("The cameras from above", cameras);
     for degrees in [30.0f32, 60.0, 90.0, 120.0, 150.0] {
         let radius = scale * degrees.to_radians();
         if radius > MIDDLE - MARGIN + 1.0 {
@@ -56,17 +95,17 @@ pub fn from_above(plan: &PlanRecord, candidates: &[Vec3]) -> String {
         let (x, y) = at(MIDDLE - 0.5 * MARGIN, angle);
         label(&mut svg, x, y, name);
     }
-    draw_cameras(&mut svg, plan, candidates, map);
+    draw_cameras(&mut svg, cameras, map);
     svg.push_str("</svg>");
     svg
 }
 
 /// The view from the side, along +Y, one `<svg>` element; see [`from_above`].
-pub fn from_side(plan: &PlanRecord, candidates: &[Vec3]) -> String {
-    let reach = positions(plan, candidates).map(|p| p.x.abs().max(p.z.abs())).fold(1.0, f32::max);
+pub fn from_side(cameras: &Cameras<'_>) -> String {
+    let reach = positions(cameras).map(|p| p.x.abs().max(p.z.abs())).fold(1.0, f32::max);
     let scale = (MIDDLE - MARGIN) / reach;
     let map = |position: Vec3| (MIDDLE + scale * position.x, MIDDLE - scale * position.z);
-    let mut svg = opening("The cameras from the side", plan);
+    let mut svg = opening("The cameras from the side", cameras);
     let (near, far) = (MARGIN, SIDE - MARGIN);
     let _ = write!(
         svg,
@@ -77,17 +116,17 @@ pub fn from_side(plan: &PlanRecord, candidates: &[Vec3]) -> String {
     label(&mut svg, 0.5 * MARGIN, MIDDLE, "−x");
     label(&mut svg, MIDDLE, 0.5 * MARGIN, "+z");
     label(&mut svg, MIDDLE, SIDE - 0.5 * MARGIN, "−z");
-    draw_cameras(&mut svg, plan, candidates, map);
+    draw_cameras(&mut svg, cameras, map);
     svg.push_str("</svg>");
     svg
 }
 
-fn opening(title: &str, plan: &PlanRecord) -> String {
+fn opening(title: &str, cameras: &Cameras<'_>) -> String {
     let description = format!(
         "{} chosen cameras, numbered and coloured by objective, among {} candidates around {}",
-        plan.views.len(),
-        plan.candidates,
-        plan.object
+        cameras.views.len(),
+        cameras.candidates.len(),
+        cameras.object
     );
     format!(
         r#"<svg class="dome" viewBox="0 0 {SIDE} {SIDE}" role="img" aria-label="{title}: {}">"#,
@@ -95,30 +134,33 @@ fn opening(title: &str, plan: &PlanRecord) -> String {
     )
 }
 
-fn draw_cameras(
-    svg: &mut String,
-    plan: &PlanRecord,
-    candidates: &[Vec3],
-    map: impl Fn(Vec3) -> (f32, f32),
-) {
-    svg.push_str(r#"<g class="candidates">"#);
-    for position in candidates.iter().filter(|position| position.is_finite()) {
-        let (x, y) = map(*position);
-        let _ = write!(svg, r#"<circle class="candidate" cx="{x:.1}" cy="{y:.1}" r="2"/>"#);
+fn draw_cameras(svg: &mut String, cameras: &Cameras<'_>, map: impl Fn(Vec3) -> (f32, f32)) {
+    let mut dots = |group: &str, class: &str, places: &[Vec3], radius: u32| {
+        let _ = write!(svg, r#"<g class="{group}">"#);
+        for position in places.iter().filter(|position| position.is_finite()) {
+            let (x, y) = map(*position);
+            let _ =
+                write!(svg, r#"<circle class="{class}" cx="{x:.1}" cy="{y:.1}" r="{radius}"/>"#);
+        }
+        svg.push_str("</g>");
+    };
+    dots("candidates", "candidate", cameras.candidates, 2);
+    if !cameras.taken.is_empty() {
+        dots("photos", "taken", cameras.taken, 4);
     }
-    svg.push_str("</g>");
+    let views = &cameras.views;
     let stops: Vec<Vec3> =
-        plan.tour.iter().filter_map(|&view| plan.views.get(view)).map(position).collect();
+        cameras.tour.iter().filter_map(|&view| views.get(view)).map(position).collect();
     if stops.len() > 1 {
         let legs = stops.windows(2).flat_map(|leg| along_sphere(leg[0], leg[1]));
         let points: Vec<String> = legs.map(&map).map(|(x, y)| format!("{x:.1},{y:.1}")).collect();
         let _ = write!(svg, r#"<polyline class="tour" points="{}"/>"#, points.join(" "));
     }
     // Smaller the more there are; the first is drawn last, for it matters most.
-    let radius = (40.0 / (plan.views.len().max(1) as f32).sqrt()).clamp(6.0, 11.0);
-    for (index, view) in plan.views.iter().enumerate().rev() {
+    let radius = (40.0 / (views.len().max(1) as f32).sqrt()).clamp(6.0, 11.0);
+    for (index, view) in views.iter().enumerate().rev() {
         let (x, y) = map(position(view));
-        let class = palette::class(palette::objective(view.objective.as_deref()));
+        let class = palette::class(palette::objective(view.objective));
         let number = index + 1;
         let title = escape(&format!("View {number}: {}", view.reason));
         let baseline = y + 0.36 * radius;
@@ -146,15 +188,14 @@ fn along_sphere(a: Vec3, b: Vec3) -> impl Iterator<Item = Vec3> {
     })
 }
 
-fn positions<'a>(plan: &'a PlanRecord, candidates: &'a [Vec3]) -> impl Iterator<Item = Vec3> + 'a {
-    let chosen = plan.views.iter().map(position);
-    candidates.iter().copied().filter(|position| position.is_finite()).chain(chosen)
+fn positions<'a>(cameras: &'a Cameras<'_>) -> impl Iterator<Item = Vec3> + 'a {
+    let dots = cameras.candidates.iter().chain(cameras.taken).copied();
+    dots.filter(|position| position.is_finite()).chain(cameras.views.iter().map(position))
 }
 
 /// A view's position; what is not finite is drawn in the middle.
-fn position(view: &ViewRecord) -> Vec3 {
-    let position = Vec3::from_array(view.position);
-    if position.is_finite() { position } else { Vec3::ZERO }
+fn position(view: &Shown<'_>) -> Vec3 {
+    if view.position.is_finite() { view.position } else { Vec3::ZERO }
 }
 
 /// The angle to +Z in radians, in [0, pi].

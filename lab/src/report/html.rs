@@ -29,22 +29,30 @@ pub fn page(report: &Report<'_>) -> Result<String> {
     let plan = report.plan;
     let object = escape(&plan.object);
     let views = plan.views.len();
-    let mut html = format!(
-        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta \
-         name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<meta \
-         name=\"color-scheme\" content=\"light dark\">\n<title>{object}: {views} planned views · \
-         Vantage</title>\n<style>\n{}{STYLE}</style>\n</head>\n<body>\n<main>\n",
-        colours()
-    );
+    let mut html = beginning(&format!("{object}: {views} planned views"));
     header(&mut html, report);
     gallery(&mut html, report)?;
     domes(&mut html, report);
     plots(&mut html, report)?;
     table(&mut html, report);
     opening(&mut html, report);
-    html.push_str("</main>\n</body>\n</html>\n");
+    html.push_str(END);
     Ok(html)
 }
+
+/// A page until its content; the title is escaped.
+pub(super) fn beginning(title: &str) -> String {
+    format!(
+        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta \
+         name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<meta \
+         name=\"color-scheme\" content=\"light dark\">\n<title>{title} · \
+         Vantage</title>\n<style>\n{}{STYLE}</style>\n</head>\n<body>\n<main>\n",
+        colours()
+    )
+}
+
+/// What ends a page.
+pub(super) const END: &str = "</main>\n</body>\n</html>\n";
 
 /// The palette as CSS, so that the colours stand in one place.
 fn colours() -> String {
@@ -163,6 +171,7 @@ fn gallery(html: &mut String, report: &Report<'_>) -> Result<()> {
 }
 
 fn domes(html: &mut String, report: &Report<'_>) {
+    let cameras = dome::Cameras::of_plan(report.plan, report.candidates);
     let _ = write!(
         html,
         "<section aria-labelledby=\"cameras\">\n<h2 id=\"cameras\">Where the cameras \
@@ -172,13 +181,13 @@ fn domes(html: &mut String, report: &Report<'_>) {
          sphere.</figcaption></figure>\n</div>\n{}<p class=\"small\">Faint dots are the candidates \
          that were not chosen, the line is the shortest tour found. A number leads to its \
          photo.</p>\n</section>\n",
-        dome::from_above(report.plan, report.candidates),
-        dome::from_side(report.plan, report.candidates),
+        dome::from_above(&cameras),
+        dome::from_side(&cameras),
         objective_legend(),
     );
 }
 
-fn objective_legend() -> String {
+pub(super) fn objective_legend() -> String {
     let entries = Objective::ALL.map(|objective| {
         format!(
             "<li class=\"{0}\"><span class=\"badge\">{1}</span> {0}</li>",
@@ -329,15 +338,15 @@ fn short(seconds: f64) -> String {
 }
 
 /// A small picture as a `data:` URL.
-struct Thumbnail {
-    url: String,
-    width: u32,
-    height: u32,
+pub(super) struct Thumbnail {
+    pub url: String,
+    pub width: u32,
+    pub height: u32,
 }
 
 impl Thumbnail {
     /// The more photos a page has, the smaller they are: a page stays below some 4 MB.
-    fn of(photo: &RgbaImage, photos: usize) -> Result<Self> {
+    pub fn of(photo: &RgbaImage, photos: usize) -> Result<Self> {
         let most = match photos {
             0..=24 => 320,
             25..=60 => 224,

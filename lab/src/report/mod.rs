@@ -13,6 +13,7 @@ pub mod contact_sheet;
 pub mod dome;
 pub mod html;
 mod palette;
+pub mod photos;
 pub mod plot;
 mod svg;
 mod trainers;
