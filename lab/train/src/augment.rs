@@ -9,6 +9,11 @@ use crate::net::SIDE;
 /// Values of a photo as the network takes it: (3, 64, 64).
 pub const PHOTO: usize = 3 * SIDE * SIDE;
 
+/// Values of what a photo shows: its object's cover in 16 x 16 cells, its detail in 8 x 8.
+pub const SKETCH: usize = COVER * COVER + DETAIL * DETAIL;
+const COVER: usize = 16;
+const DETAIL: usize = 8;
+
 /// Behind the object.
 #[derive(Clone, Debug)]
 enum Background {
@@ -83,7 +88,11 @@ impl Look {
 
     /// A photo, sRGB with straight alpha, shape (64, 64, 4), as this look shows it: shape
     /// (3, 64, 64), each value (pixel - 128) / 128, in steps of a whole pixel value.
-    pub fn photo(&self, rgba: &[u8], chance: &mut impl Rng, out: &mut [f32]) {
+    ///
+    /// `sketch`, of [`SKETCH`] zeros or empty, becomes what an encoder should at least tell of it:
+    /// the share of each cell that the object covers, and how much its colours change there.
+    pub fn photo(&self, rgba: &[u8], chance: &mut impl Rng, out: &mut [f32], sketch: &mut [f32]) {
+        let mut covers = vec![0f32; SIDE * SIDE];
         let mut picture = vec![[0f32; 3]; SIDE * SIDE];
         let behind = self.behind(chance);
         let mut jitter =
@@ -97,6 +106,7 @@ impl Look {
             let x = if self.mirrored { SIDE as f32 - x } else { x };
             let from = [(x - half) / scale + half + right, (y - half) / scale + half + down];
             let ([r, g, b], alpha) = sample(rgba, from);
+            covers[place] = alpha;
             let back = behind(x, y);
             let lit = self.lit([r, g, b], exposure);
             for ((pixel, colour), back) in pixel.iter_mut().zip(lit).zip(back) {
@@ -105,6 +115,9 @@ impl Look {
         }
         if self.blur > 0.0 {
             picture = blurred(&picture, self.blur);
+        }
+        if !sketch.is_empty() {
+            draw_sketch(&picture, &covers, sketch);
         }
         for (place, pixel) in picture.iter().enumerate() {
             for (channel, &value) in pixel.iter().enumerate() {
@@ -157,6 +170,25 @@ impl Look {
                     })
                 })
             }
+        }
+    }
+}
+
+fn draw_sketch(picture: &[[f32; 3]], covers: &[f32], sketch: &mut [f32]) {
+    let cell = |place: usize, cells: usize| {
+        let (x, y) = (place % SIDE, place / SIDE);
+        y * cells / SIDE * cells + x * cells / SIDE
+    };
+    let share = |cells: usize| (cells * cells) as f32 / (SIDE * SIDE) as f32;
+    let grey = |pixel: &[f32; 3]| pixel.iter().sum::<f32>();
+    let (cover, detail) = sketch.split_at_mut(COVER * COVER);
+    for (place, &alpha) in covers.iter().enumerate() {
+        cover[cell(place, COVER)] += alpha * share(COVER);
+        let inside = place % SIDE + 1 < SIDE && place + SIDE < covers.len();
+        if inside && alpha.min(covers[place + 1]).min(covers[place + SIDE]) > 0.9 {
+            let change = |other: usize| (grey(&picture[place]) - grey(&picture[other])).abs();
+            let both = change(place + 1) + change(place + SIDE);
+            detail[cell(place, DETAIL)] += both * share(DETAIL);
         }
     }
 }

@@ -40,6 +40,9 @@ pub struct Recipe {
     pub halved: bool,
     /// How much the best views count beyond the others: the weight of a listwise cross-entropy.
     pub listwise: f32,
+    /// Weight of what an embedding should at least tell of its photo. Without it the encoder's
+    /// outputs, noise at first, are silenced before they mean anything.
+    pub sketch: f32,
     /// Whether photos are changed by chance.
     pub augment: bool,
     /// Epochs without improvement after which training ends.
@@ -57,6 +60,7 @@ impl Default for Recipe {
             rate: 1.5e-3,
             halved: false,
             listwise: 0.1,
+            sketch: 2.0,
             augment: true,
             patience: 20,
             seed: 1,
@@ -74,6 +78,7 @@ impl Recipe {
             rate: 3e-5,
             halved: true,
             listwise: 0.0,
+            sketch: 0.0,
             augment: false,
             ..Self::default()
         }
@@ -145,6 +150,18 @@ impl Run {
             dir.display()
         );
         Ok((run, course))
+    }
+
+    /// Opens the folder of a run that has trained something.
+    pub fn existing(dir: &Path) -> Result<Self> {
+        let run = Self { dir: dir.to_owned() };
+        ensure!(
+            run.course_file().exists(),
+            "{} holds no run: train one with `cargo vantage train --out {}`",
+            dir.display(),
+            dir.display()
+        );
+        Ok(run)
     }
 
     fn course_file(&self) -> PathBuf {
@@ -338,8 +355,12 @@ fn loss(recipe: &Recipe, answer: Answer, target: Target) -> Tensor<1> {
     let ranks = huber.forward(answer.ranks, target.ranks, Reduction::Mean);
     // Scores and gains are small numbers; a tenth is much.
     let state = huber.forward(answer.state * 10.0, target.state * 10.0, Reduction::Mean) * 0.1;
-    match listwise {
-        Some(listwise) => ranks + state + listwise,
-        None => ranks + state,
+    let mut loss = ranks + state;
+    if let Some(listwise) = listwise {
+        loss = loss + listwise;
     }
+    if let (Some(told), Some(wanted)) = (answer.sketches, target.sketches) {
+        loss = loss + (told - wanted).powi_scalar(2).mean() * recipe.sketch;
+    }
+    loss
 }

@@ -1,15 +1,17 @@
 //! Trains SOARNet, exports it and quantises it.
 
 use std::path::PathBuf;
+use std::process::ExitCode;
 
-use anyhow::Result;
+use anyhow::{Result, ensure};
 use burn::tensor::Device;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 use vantage_lab::dataset::{Dataset, Split};
 use vantage_train::fit::{self, Recipe, Run};
 use vantage_train::measure::measure;
-use vantage_train::samples;
+use vantage_train::reference::Reference;
+use vantage_train::{onnx, quantize, samples};
 
 #[derive(Parser)]
 #[command(version, about, max_term_width = 100)]
@@ -21,6 +23,8 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Train(TrainArgs),
+    Export(ExportArgs),
+    Quantize(QuantizeArgs),
 }
 
 /// Ready recipes.
@@ -63,10 +67,89 @@ struct TrainArgs {
     seed: Option<u64>,
 }
 
-fn main() -> Result<()> {
-    match Cli::parse().command {
+/// Write a trained network as ONNX
+#[derive(Args, Clone, Debug)]
+struct ExportArgs {
+    /// Folder of the run: see `cargo vantage train`
+    run: PathBuf,
+    /// File to write
+    #[arg(long, short, value_name = "FILE")]
+    out: PathBuf,
+}
+
+/// Turn an exported network into the model file that controllers and browsers read
+#[derive(Args, Clone, Debug)]
+struct QuantizeArgs {
+    /// What `cargo vantage export` wrote
+    network: PathBuf,
+    /// The data set to calibrate with, and to compare on
+    #[arg(long, value_name = "DIR")]
+    data: PathBuf,
+    /// File to write
+    #[arg(long, short, value_name = "FILE")]
+    out: PathBuf,
+    /// Objects to calibrate with
+    #[arg(long, default_value_t = 200, value_name = "N")]
+    objects: usize,
+    /// Seed of the calibration captures
+    #[arg(long, default_value_t = 1, value_name = "K")]
+    seed: u64,
+}
+
+fn main() -> ExitCode {
+    let result = match Cli::parse().command {
         Command::Train(args) => train(&args),
+        Command::Export(args) => export(&args),
+        Command::Quantize(args) => quantize(&args),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
     }
+}
+
+fn export(args: &ExportArgs) -> Result<()> {
+    let run = Run::existing(&args.run)?;
+    let recipe = run.course()?.recipe;
+    ensure!(
+        recipe.shape.relative && recipe.shape.maximum,
+        "{} holds a run of the literal preset, which is for comparison and is not exported",
+        args.run.display()
+    );
+    let net = fit::load_network(&recipe.shape, &run.best_file(), &Device::flex())?;
+    onnx::export(&net, &args.out)?;
+    eprintln!("wrote {}", args.out.display());
+    Ok(())
+}
+
+fn quantize(args: &QuantizeArgs) -> Result<()> {
+    let reference = Reference::open(&args.network)?;
+    let dataset = Dataset::open(&args.data)?;
+    let bar =
+        ProgressBar::new_spinner().with_style(ProgressStyle::with_template("{spinner} {msg}")?);
+    bar.set_message("reading");
+    let load = |split| samples::load(&dataset, split, Some(args.objects), || bar.tick());
+    let (train, validation) = (load(Split::Train)?, load(Split::Validation)?);
+    bar.set_message("calibrating");
+    let file = quantize::quantize(&reference, &train, args.seed)?;
+    bar.set_message("comparing");
+    let agreement = quantize::agreement(&reference, &file, &validation, 3..=11)?;
+    bar.finish_and_clear();
+    quantize::save(&file, &args.out)?;
+    println!(
+        "{} bytes; against floating point on {} validation objects: rank correlation {:.4}, the same \
+         first choice in {:.1} % of {} steps",
+        file.len(),
+        validation.len(),
+        agreement.spearman,
+        100.0 * agreement.same_choice,
+        agreement.steps
+    );
+    eprintln!("wrote {}", args.out.display());
+    Ok(())
 }
 
 fn train(args: &TrainArgs) -> Result<()> {
@@ -90,7 +173,7 @@ fn train(args: &TrainArgs) -> Result<()> {
         Run::open(&args.out, &recipe, &serde_json::to_string(&dataset.manifest().parameters)?)?;
     let bar = ProgressBar::new(dataset.len() as u64)
         .with_style(ProgressStyle::with_template("reading {bar:30} {pos}/{len}")?);
-    let load = |split| samples::load(&dataset, split, || bar.inc(1));
+    let load = |split| samples::load(&dataset, split, None, || bar.inc(1));
     let (train, validation) = (load(Split::Train)?, load(Split::Validation)?);
     bar.finish_and_clear();
     let device = Device::flex();

@@ -13,9 +13,10 @@
 //! candidates, so that a gain in the objective's own units is mean + spread * rank. With cumulative
 //! targets H gives F_n+1 itself.
 
+use crate::augment::SKETCH;
 use burn::module::{Initializer, Module};
 use burn::nn::conv::{Conv2d, Conv2dConfig};
-use burn::nn::{Linear, LinearConfig, PaddingConfig2d};
+use burn::nn::{BatchNorm, BatchNormConfig, Linear, LinearConfig, PaddingConfig2d};
 use burn::tensor::activation::relu;
 use burn::tensor::{Device, Tensor};
 use serde::{Deserialize, Serialize};
@@ -63,11 +64,51 @@ impl Default for Shape {
     }
 }
 
+/// A convolution whose outputs are normalised over the batch. Where the network leaves training,
+/// the normalisation is part of its weights: see [`Normalised::folded`].
+#[derive(Module, Debug)]
+pub struct Normalised {
+    conv: Conv2d,
+    norm: BatchNorm,
+}
+
+impl Normalised {
+    fn new(from: usize, to: usize, stride: usize, device: &Device) -> Self {
+        let conv = Conv2dConfig::new([from, to], [3, 3])
+            .with_stride([stride, stride])
+            .with_padding(PaddingConfig2d::Explicit(1, 1, 1, 1))
+            .with_bias(false)
+            .with_initializer(Initializer::KaimingNormal {
+                gain: 2f64.sqrt(),
+                fan_out_only: false,
+            });
+        Self { conv: conv.init(device), norm: BatchNormConfig::new(to).init(device) }
+    }
+
+    fn forward(&self, x: Tensor<4>) -> Tensor<4> {
+        self.norm.forward(self.conv.forward(x))
+    }
+
+    /// Pixels from one window to the next.
+    pub fn stride(&self) -> usize {
+        self.conv.stride[0]
+    }
+
+    /// The same as one convolution after training: weights (out, in, 3, 3), biases (out).
+    pub fn folded(&self) -> (Tensor<4>, Tensor<1>) {
+        let variance = self.norm.running_var.value();
+        let scale = self.norm.gamma.val() / variance.add_scalar(self.norm.epsilon).sqrt();
+        let bias = self.norm.beta.val() - self.norm.running_mean.value() * scale.clone();
+        let channels = scale.dims()[0];
+        (self.conv.weight.val() * scale.reshape([channels, 1, 1, 1]), bias)
+    }
+}
+
 /// Two convolutions around which the input is passed.
 #[derive(Module, Debug)]
 pub struct Residual {
-    pub first: Conv2d,
-    pub second: Conv2d,
+    pub first: Normalised,
+    pub second: Normalised,
 }
 
 impl Residual {
@@ -80,33 +121,28 @@ impl Residual {
 /// Photo to embedding.
 #[derive(Module, Debug)]
 pub struct Encoder {
-    pub stem: Conv2d,
-    pub down: Vec<Conv2d>,
+    pub stem: Normalised,
+    pub down: Vec<Normalised>,
     pub residual: Vec<Residual>,
     pub embed: Linear,
+    /// Tells what a photo shows from its embedding; for training only.
+    pub sketch: Linear,
 }
 
 impl Encoder {
     fn new(shape: &Shape, device: &Device) -> Self {
-        let conv = |from: usize, to: usize, stride: usize, gain: f64| {
-            Conv2dConfig::new([from, to], [3, 3])
-                .with_stride([stride, stride])
-                .with_padding(PaddingConfig2d::Explicit(1, 1, 1, 1))
-                .with_initializer(Initializer::KaimingNormal { gain, fan_out_only: false })
-                .init(device)
-        };
-        let relu_gain = 2f64.sqrt();
         let [stem, rest @ ..] = shape.channels;
         let from = [shape.channels[0], shape.channels[1], shape.channels[2]];
+        let layer = |from, to, stride| Normalised::new(from, to, stride, device);
         Self {
-            stem: conv(3, stem, 2, relu_gain),
-            down: from.iter().zip(rest).map(|(&from, to)| conv(from, to, 2, relu_gain)).collect(),
-            // A residual that begins small: the network starts as a shallow one.
+            stem: layer(3, stem, 2),
+            down: from.iter().zip(rest).map(|(&from, to)| layer(from, to, 2)).collect(),
             residual: rest
                 .iter()
-                .map(|&c| Residual { first: conv(c, c, 1, relu_gain), second: conv(c, c, 1, 0.3) })
+                .map(|&c| Residual { first: layer(c, c, 1), second: layer(c, c, 1) })
                 .collect(),
             embed: LinearConfig::new(shape.channels[3] * LAST * LAST, shape.embedding).init(device),
+            sketch: LinearConfig::new(shape.embedding, SKETCH).init(device),
         }
     }
 
@@ -156,6 +192,8 @@ pub struct Answer {
     pub ranks: Tensor<3>,
     /// (P * B, 12).
     pub state: Tensor<2>,
+    /// What each photo shows, told from its embedding, (B * K, 320).
+    pub sketches: Option<Tensor<2>>,
 }
 
 impl Network {
@@ -196,9 +234,11 @@ impl Network {
         let Question { photos, views, relations, candidates, counts } = question;
         let [objects, number, _] = views.dims();
         let device = views.device();
+        let mut sketches = None;
         let seen = match &self.encoder {
             Some(encoder) => {
                 let embeddings = encoder.forward(photos);
+                sketches = Some(encoder.sketch.forward(embeddings.clone()));
                 let width = embeddings.dims()[1];
                 Tensor::cat(vec![embeddings.reshape([objects, number, width]), views], 2)
             }
@@ -243,7 +283,7 @@ impl Network {
         }
         let ranks = self.head_out.forward(relu(self.head_in.forward(Tensor::cat(ranks, 0))));
         let state = self.state_out.forward(relu(self.state_in.forward(Tensor::cat(states, 0))));
-        Answer { ranks, state }
+        Answer { ranks, state, sketches }
     }
 
     /// Weights and biases there are.

@@ -16,7 +16,6 @@ use std::path::Path;
 
 use anyhow::{Context, Result};
 use burn::nn::Linear;
-use burn::nn::conv::Conv2d;
 use burn::tensor::Tensor;
 use prost::Message;
 use tract_onnx::pb::{
@@ -28,7 +27,7 @@ use tract_onnx::pb::{
 };
 use vantage_core::soarnet::features::{COUNT, DIRECTION, RELATION};
 
-use crate::net::{Encoder, Network, OBJECTIVES, SIDE, STATE};
+use crate::net::{Encoder, Network, Normalised, OBJECTIVES, SIDE, STATE};
 
 /// The ONNX operator set that is used.
 const OPSET: i64 = 17;
@@ -168,17 +167,18 @@ impl Graph {
         self.node("Relu", &[input], output, Vec::new());
     }
 
-    fn conv(&mut self, layer: &Conv2d, name: &str, input: &str, output: &str) {
-        let (weight, bias) = (format!("{name}.weight"), format!("{name}.bias"));
-        self.floats(&weight, layer.weight.val());
-        self.floats(&bias, layer.bias.as_ref().expect("convolutions have a bias").val());
-        let stride = layer.stride.map(|size| size as i64);
+    fn conv(&mut self, layer: &Normalised, name: &str, input: &str, output: &str) {
+        let names = [format!("{name}.weight"), format!("{name}.bias")];
+        let (weight, bias) = layer.folded();
+        self.floats(&names[0], weight);
+        self.floats(&names[1], bias);
+        let stride = [layer.stride() as i64; 2];
         let attributes = vec![
             integers("kernel_shape", &[3, 3]),
             integers("strides", &stride),
             integers("pads", &[1, 1, 1, 1]),
         ];
-        self.node("Conv", &[input, &weight, &bias], output, attributes);
+        self.node("Conv", &[input, &names[0], &names[1]], output, attributes);
     }
 
     /// `input . weight + bias`, the weights of shape (inputs, outputs).

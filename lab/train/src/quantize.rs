@@ -150,6 +150,23 @@ impl Whole {
     }
 }
 
+/// A stage of the encoder in whole numbers.
+struct WholeStage {
+    layers: [Whole; 3],
+    /// What a step of `down` and of `second` is worth in the sum's.
+    ratios: [f64; 2],
+    zero: i8,
+}
+
+impl WholeStage {
+    fn parts(&self) -> Stage<'_> {
+        let [down, first, second] = self.layers.each_ref().map(Whole::layer);
+        let [multiplier, second_multiplier] =
+            self.ratios.map(|ratio| (ratio * f64::from(1 << 18)).round() as i32);
+        Stage { down, first, second, multiplier, second_multiplier, zero: self.zero }
+    }
+}
+
 /// A network in whole numbers, as the bytes of a model file.
 pub fn quantize(reference: &Reference, objects: &[Object], seed: u64) -> Result<Vec<u8>> {
     let scales = calibrate(reference, objects, seed)?;
@@ -158,7 +175,7 @@ pub fn quantize(reference: &Reference, objects: &[Object], seed: u64) -> Result<
     let shape = reference.shape();
 
     let mut stem = Whole::default();
-    let mut stages: Vec<([Whole; 3], [f64; 2], Scale)> = Vec::new();
+    let mut stages: Vec<WholeStage> = Vec::new();
     let mut embed = Whole::default();
     if shape.embedding > 0 {
         let convolution = |name: &str, input: Scale, output: Scale| {
@@ -176,7 +193,8 @@ pub fn quantize(reference: &Reference, objects: &[Object], seed: u64) -> Result<
                 convolution(&name("first"), down, first)?,
                 convolution(&name("second"), first, second)?,
             ];
-            stages.push((layers, [down.scale / sum.scale, second.scale / sum.scale], sum));
+            let ratios = [down.scale / sum.scale, second.scale / sum.scale];
+            stages.push(WholeStage { layers, ratios, zero: sum.zero as i8 });
             last = sum;
         }
         // ONNX flattens (channel, row, column); the model's maps are (row, column, channel).
@@ -235,21 +253,6 @@ pub fn quantize(reference: &Reference, objects: &[Object], seed: u64) -> Result<
     let candidate = head("head", DIRECTION + COUNT, scale("head"), shape.head)?;
     let state = head("state", COUNT, scale("state.hidden"), shape.state)?;
 
-    let parts = |stages: &[([Whole; 3], [f64; 2], Scale)]| -> [Stage<'_>; 3] {
-        [0, 1, 2].map(|stage: usize| {
-            let ([down, first, second], ratios, sum) = &stages[stage];
-            let [multiplier, second_multiplier] =
-                ratios.map(|ratio| (ratio * f64::from(1 << 18)).round() as i32);
-            Stage {
-                down: down.layer(),
-                first: first.layer(),
-                second: second.layer(),
-                multiplier,
-                second_multiplier,
-                zero: sum.zero as i8,
-            }
-        })
-    };
     let network = soarnet::Network {
         dimensions: Dimensions {
             channels: shape.channels,
@@ -260,7 +263,7 @@ pub fn quantize(reference: &Reference, objects: &[Object], seed: u64) -> Result<
         },
         encoder: (shape.embedding > 0).then(|| EncoderParts {
             stem: stem.layer(),
-            stages: parts(&stages),
+            stages: [0, 1, 2].map(|stage: usize| stages[stage].parts()),
             embed: embed.layer(),
         }),
         token: tokens.each_ref().map(Whole::layer),

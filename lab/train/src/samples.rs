@@ -10,7 +10,7 @@ use vantage_core::soarnet::features::{self, COUNT, DIRECTION, Direction, RELATIO
 use vantage_core::{Pose, Scores, Vec3};
 use vantage_lab::dataset::{Dataset, ObjectData, Split};
 
-use crate::augment::{Look, PHOTO};
+use crate::augment::{Look, PHOTO, SKETCH};
 use crate::net::{OBJECTIVES, Question, SIDE, STATE};
 
 /// One object, as far as training needs it.
@@ -28,15 +28,26 @@ struct Walk {
     gains: Vec<Vec<[f32; OBJECTIVES]>>, // (steps, views, 4)
 }
 
-/// All objects of a split, in parallel; `done` is called after each.
-pub fn load(dataset: &Dataset, split: Split, done: impl Fn() + Sync) -> Result<Vec<Object>> {
+/// The objects of a split, at most so many, in parallel; `done` is called after each.
+pub fn load(
+    dataset: &Dataset,
+    split: Split,
+    most: Option<usize>,
+    done: impl Fn() + Sync,
+) -> Result<Vec<Object>> {
     anyhow::ensure!(
         dataset.manifest().parameters.image_size as usize == SIDE,
         "the data set's photos have {} pixels a side and the network takes {SIDE}: make it with \
          --image-size {SIDE}",
         dataset.manifest().parameters.image_size
     );
-    let objects = dataset.objects(split).into_par_iter().map(|index| {
+    let mut indices = dataset.objects(split);
+    indices.truncate(most.unwrap_or(usize::MAX));
+    anyhow::ensure!(
+        !indices.is_empty(),
+        "the data set has no {split:?} objects: make one of 24 objects or more"
+    );
+    let objects = indices.into_par_iter().map(|index| {
         let object = Object::new(dataset.load(index)?)?;
         done();
         Ok(object)
@@ -81,7 +92,7 @@ impl Object {
         let mut values = vec![0.0; PHOTO];
         let rgba = &self.photos[view * size..(view + 1) * size];
         // Nothing of a plain look is left to chance.
-        Look::plain().photo(rgba, &mut Pcg64::seed_from_u64(0), &mut values);
+        Look::plain().photo(rgba, &mut Pcg64::seed_from_u64(0), &mut values, &mut []);
         let places = 0..SIDE * SIDE;
         let byte = |value: f32| (value * 128.0 + 128.0) as u8;
         places.flat_map(|at| [0, 1, 2].map(|c| byte(values[c * SIDE * SIDE + at]))).collect()
@@ -104,6 +115,7 @@ pub struct Truth {
 /// Captures of some objects, in plain numbers: made on any thread.
 pub struct Batch {
     photos: Vec<f32>,
+    sketches: Vec<f32>,
     views: Vec<f32>,
     relations: Vec<Vec<f32>>,
     candidates: Vec<f32>,
@@ -157,6 +169,7 @@ impl Batch {
         let states = ask.counts.len() * number;
         let mut batch = Self {
             photos: vec![0.0; if ask.photos { number * ask.views * PHOTO } else { 0 }],
+            sketches: vec![0.0; if ask.photos { number * ask.views * SKETCH } else { 0 }],
             views: Vec::with_capacity(number * ask.views * DIRECTION),
             relations: vec![Vec::with_capacity(number * others * RELATION); ask.views],
             candidates: Vec::with_capacity(number * others * DIRECTION),
@@ -210,8 +223,10 @@ impl Batch {
             if ask.photos {
                 let size = SIDE * SIDE * 4;
                 let rgba = &object.photos[view * size..(view + 1) * size];
-                let at = (place * ask.views + step) * PHOTO;
-                look.photo(rgba, chance, &mut self.photos[at..at + PHOTO]);
+                let at = place * ask.views + step;
+                let photo = &mut self.photos[at * PHOTO..(at + 1) * PHOTO];
+                let sketch = &mut self.sketches[at * SKETCH..(at + 1) * SKETCH];
+                look.photo(rgba, chance, photo, sketch);
             }
         }
         for (row, &count) in ask.counts.iter().enumerate() {
@@ -281,6 +296,8 @@ pub struct Target {
     pub ranks: Tensor<3>,
     /// (P * B, 12): scores, and the number of views times mean and spread of the gains.
     pub state: Tensor<2>,
+    /// What each photo shows, (B * K, 320); `None` without photos.
+    pub sketches: Option<Tensor<2>>,
 }
 
 /// A gain's distance from the state's mean below which it counts as equal.
@@ -320,6 +337,10 @@ impl Batch {
         Target {
             ranks: Tensor::from_data(TensorData::new(ranks, shape), device),
             state: Tensor::from_data(TensorData::new(state, [states, STATE]), device),
+            sketches: (!self.sketches.is_empty()).then(|| {
+                let shape = [self.sketches.len() / SKETCH, SKETCH];
+                Tensor::from_data(TensorData::new(self.sketches.clone(), shape), device)
+            }),
         }
     }
 }
