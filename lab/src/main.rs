@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use vantage_lab::commands::{compare, dataset, plan};
+use vantage_lab::commands::{compare, dataset, plan, train};
 
 /// Plans the next best photo of an object for radiance-field capture
 #[derive(Parser)]
@@ -21,19 +21,32 @@ enum Command {
     Compare(compare::CompareArgs),
     /// Make views of many objects, exactly labelled, to train on
     Dataset(dataset::DatasetArgs),
+    /// Train a network on a data set (builds a deep-learning library first: some minutes, once)
+    Train(train::NetworkArgs),
+    /// Write a trained network as ONNX
+    Export(train::NetworkArgs),
+    /// Turn an exported network into the model file that controllers and browsers read
+    Quantize(train::NetworkArgs),
 }
 
 fn main() -> ExitCode {
     let result = match Cli::parse().command {
-        Command::Plan(args) => plan::run(&args),
-        Command::Compare(args) => compare::run(&args),
-        Command::Dataset(args) => dataset::run(&args),
+        Command::Plan(args) => done(plan::run(&args)),
+        Command::Compare(args) => done(compare::run(&args)),
+        Command::Dataset(args) => done(dataset::run(&args)),
+        Command::Train(args) => train::run("train", &args),
+        Command::Export(args) => train::run("export", &args),
+        Command::Quantize(args) => train::run("quantize", &args),
     };
     match result {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(code) => code,
         Err(error) => {
             eprintln!("error: {error:#}");
             ExitCode::FAILURE
         }
     }
+}
+
+fn done(result: anyhow::Result<()>) -> anyhow::Result<ExitCode> {
+    result.map(|()| ExitCode::SUCCESS)
 }

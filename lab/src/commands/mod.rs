@@ -4,6 +4,7 @@ pub mod compare;
 pub mod dataset;
 pub mod photos;
 pub mod plan;
+pub mod train;
 
 use std::fs;
 use std::io::{ErrorKind, Write};

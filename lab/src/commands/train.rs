@@ -1,0 +1,30 @@
+//! `cargo vantage train`, `export` and `quantize`: handed to `vantage-train`, a program of its own
+//! because a deep-learning library takes minutes to compile and nothing else needs one.
+
+use std::ffi::OsString;
+use std::process::{Command, ExitCode};
+
+use anyhow::{Context, Result};
+use clap::Args;
+
+/// Options of these commands: all go to `vantage-train`.
+#[derive(Args, Clone, Debug)]
+#[command(disable_help_flag = true)]
+pub struct NetworkArgs {
+    /// See `--help` of the command
+    #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+    args: Vec<OsString>,
+}
+
+/// Runs a command of `vantage-train`, which cargo builds where it has not been built yet.
+pub fn run(command: &str, args: &NetworkArgs) -> Result<ExitCode> {
+    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let manifest = concat!(env!("CARGO_MANIFEST_DIR"), "/train/Cargo.toml");
+    let status = Command::new(&cargo)
+        .args(["run", "--release", "--manifest-path", manifest, "--", command])
+        .args(&args.args)
+        .status()
+        .with_context(|| format!("cannot start {}", cargo.display()))?;
+    // Whatever failed has told its reason.
+    Ok(if status.success() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
