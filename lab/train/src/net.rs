@@ -218,10 +218,7 @@ impl Network {
         };
         Self {
             encoder: (shape.embedding > 0).then(|| Encoder::new(shape, device)),
-            view: linear(
-                shape.embedding + DIRECTION,
-                shape.token * if shape.relative { 2 } else { 1 },
-            ),
+            view: linear(shape.embedding + DIRECTION, shape.token),
             relation: shape.relative.then(relation),
             token: linear(shape.token, shape.token),
             head_in: linear(pooled + DIRECTION + COUNT, shape.head),
@@ -256,13 +253,7 @@ impl Network {
         for (place, relation) in relations.into_iter().enumerate() {
             let of_view = from_views.clone().narrow(1, place, 1);
             let hidden = match &self.relation {
-                Some(linear) => {
-                    // What the candidate's place means is for the photo to say.
-                    let width = of_view.dims()[2] / 2;
-                    let shift = of_view.clone().narrow(2, 0, width);
-                    let gate = of_view.narrow(2, width, width);
-                    shift + gate * linear.forward(relation)
-                }
+                Some(linear) => of_view + linear.forward(relation),
                 None => of_view.repeat_dim(1, others),
             };
             let token = relu(self.token.forward(relu(hidden)));
