@@ -250,10 +250,22 @@ fn csv(course: &Course) -> String {
 /// Trains until the recipe's last epoch, or until validation no longer improves.
 pub fn fit(
     run: &Run,
+    course: Course,
+    train: &[Object],
+    validation: &[Object],
+    device: &Device,
+) -> Result<Course> {
+    fit_until(run, course, train, validation, device, usize::MAX)
+}
+
+/// The same, but stops once so many epochs are done, as if interrupted.
+pub fn fit_until(
+    run: &Run,
     mut course: Course,
     train: &[Object],
     validation: &[Object],
     device: &Device,
+    stop: usize,
 ) -> Result<Course> {
     let recipe = course.recipe.clone();
     let device = device.clone().autodiff();
@@ -275,6 +287,7 @@ pub fn fit(
             .load(&state)
             .map_err(|error| anyhow::anyhow!("cannot read {}: {error}", state.display()))?;
     }
+    let longest = train.iter().map(Object::steps).min().unwrap_or(0);
     let a_pass = train.len().div_ceil(recipe.batch);
     let steps = recipe.epochs * a_pass;
     let bar = ProgressBar::new(steps as u64).with_style(ProgressStyle::with_template(
@@ -283,7 +296,7 @@ pub fn fit(
     bar.set_position((done * a_pass) as u64);
     bar.reset_eta();
 
-    while !course.is_over() {
+    while !course.is_over() && course.epochs.len() < stop {
         let epoch = course.epochs.len();
         let start = Instant::now();
         let mut sum = 0.0;
@@ -295,7 +308,7 @@ pub fn fit(
                 let mut order: Vec<&Object> = train.iter().collect();
                 order.shuffle(&mut chance);
                 for objects in order.chunks(recipe.batch) {
-                    let ask = ask(recipe, &mut chance);
+                    let ask = ask(recipe, longest, &mut chance);
                     // Long captures, half as many.
                     let objects = &objects[..objects.len().div_ceil(ask.views.div_ceil(16))];
                     if send.send(Batch::draw(objects, None, &ask, &mut chance)).is_err() {
@@ -336,10 +349,10 @@ pub fn fit(
 }
 
 /// Most captures are short; some are long, so that the counts beyond are known too.
-fn ask(recipe: &Recipe, chance: &mut Pcg64) -> Ask {
+fn ask(recipe: &Recipe, steps: usize, chance: &mut Pcg64) -> Ask {
     let long = chance.random_bool(0.15);
-    let (views, counts) =
-        if long { (26, (2..=26).step_by(2).collect()) } else { (12, (1..=12).collect()) };
+    let (views, every) = if long { (26.min(steps), 2) } else { (12.min(steps), 1) };
+    let counts = (every..=views).step_by(every).collect();
     let photos = recipe.shape.embedding > 0;
     Ask { views, counts, candidates: 64, augment: recipe.augment, photos }
 }

@@ -5,6 +5,8 @@ use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
 
+use vantage_lab::statistics::spearman;
+
 use crate::net::{Network, OBJECTIVES};
 use crate::samples::{Ask, Batch, Object};
 
@@ -31,9 +33,11 @@ impl Measured {
 /// Measures a network over all walks' first `walks`, its photos unchanged.
 pub fn measure(net: &Network, objects: &[Object], walks: usize, device: &Device) -> Measured {
     let mut chance = Pcg64::seed_from_u64(0);
+    let steps = objects.iter().map(Object::steps).min().unwrap_or(0);
+    let end = COUNTS.end.min(steps + 1);
     let ask = Ask {
-        views: COUNTS.end - 1,
-        counts: COUNTS.collect(),
+        views: end - 1,
+        counts: (COUNTS.start..end).collect(),
         candidates: usize::MAX,
         augment: false,
         photos: net.encoder.is_some(),
@@ -71,35 +75,10 @@ fn add(batch: &Batch, ranks: &[f32], sums: &mut [[f64; 3]; OBJECTIVES]) {
             let chosen = (0..predicted.len())
                 .max_by(|&a, &b| predicted[a].total_cmp(&predicted[b]))
                 .map_or(mean, |index| exact[index]);
-            sum[0] += spearman(&exact, &predicted);
+            let wide = |values: &[f32]| values.iter().copied().map(f64::from).collect::<Vec<_>>();
+            sum[0] += spearman(&wide(&predicted), &wide(&exact)).unwrap_or(0.0);
             sum[1] += f64::from((chosen - mean) / (best - mean));
             sum[2] += 1.0;
         }
     }
-}
-
-/// Spearman's rank correlation; equal values share their mean rank. 0 where a side is constant.
-pub fn spearman(a: &[f32], b: &[f32]) -> f64 {
-    let (a, b) = (ranks(a), ranks(b));
-    let mean = (a.len() as f64 - 1.0) / 2.0;
-    let product = |x: &[f64], y: &[f64]| -> f64 {
-        x.iter().zip(y).map(|(x, y)| (x - mean) * (y - mean)).sum()
-    };
-    let scale = (product(&a, &a) * product(&b, &b)).sqrt();
-    if scale > 0.0 { product(&a, &b) / scale } else { 0.0 }
-}
-
-fn ranks(values: &[f32]) -> Vec<f64> {
-    let mut order: Vec<usize> = (0..values.len()).collect();
-    order.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
-    let mut ranks = vec![0.0; values.len()];
-    let mut start = 0;
-    for group in order.chunk_by(|&a, &b| values[a] == values[b]) {
-        let rank = start as f64 + (group.len() as f64 - 1.0) / 2.0;
-        for &index in group {
-            ranks[index] = rank;
-        }
-        start += group.len();
-    }
-    ranks
 }

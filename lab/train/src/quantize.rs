@@ -5,13 +5,19 @@
 //! inputs are folded into the weights that read them, so parts of one input may differ in scale.
 
 use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
 use std::path::Path;
 
 use anyhow::{Context, Result, anyhow, ensure};
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
+use vantage_core::Vec3;
+use vantage_core::planner::Scorer;
 use vantage_core::soarnet::features::{COUNT, DIRECTION, RELATION};
-use vantage_core::soarnet::{self, Dimensions, EncoderParts, Layer, Stage};
+use vantage_core::soarnet::{
+    self, Dimensions, EncoderParts, Image, Layer, Model, Photo, Pixels, SoarNet, Stage,
+};
+use vantage_lab::statistics::spearman;
 
 use crate::net::{OBJECTIVES, SIDE};
 use crate::reference::{Reference, Weights};
@@ -303,7 +309,8 @@ fn calibrate(
     }
     let mut values: Vec<Vec<f32>> = vec![Vec::new(); names.len()];
     let mut chance = Pcg64::seed_from_u64(seed);
-    for (place, &count) in COUNTS.iter().enumerate() {
+    let steps = objects.iter().map(Object::steps).min().unwrap_or(0);
+    for (place, count) in COUNTS.iter().map(|&count| count.min(steps)).enumerate() {
         let others =
             CANDIDATES.min(objects.first().context("no object to calibrate with")?.poses().len());
         let runner = reference.runner(count, others, &names)?;
@@ -353,14 +360,13 @@ pub fn agreement(
     reference: &Reference,
     file: &[u8],
     objects: &[Object],
-    counts: std::ops::RangeInclusive<usize>,
+    counts: RangeInclusive<usize>,
 ) -> Result<Agreement> {
-    use vantage_core::planner::Scorer;
-    use vantage_core::soarnet::{Image, Model, Photo, Pixels, SoarNet};
-
     let model = Model::parse(file).map_err(|error| anyhow!("{error}"))?;
     let photos = reference.shape().embedding > 0;
-    let (mut sum, mut same, mut steps) = (0.0, 0usize, 0usize);
+    let steps = objects.iter().map(Object::steps).min().unwrap_or(0);
+    let counts = *counts.start()..=steps.min(*counts.end());
+    let (mut sum, mut same, mut compared) = (0.0, 0usize, 0usize);
     let mut runners = BTreeMap::new();
     for object in objects {
         let views: Vec<usize> = object.walk(1).collect();
@@ -374,9 +380,8 @@ pub fn agreement(
         };
         let batch = Batch::draw(&[object], Some(1), &ask, &mut Pcg64::seed_from_u64(0));
         let mut memory = Box::new(soarnet::Fixed::<1000, 64>::new());
-        let centre = vantage_core::Vec3::ZERO;
-        let mut scorer =
-            SoarNet::try_new(model, &mut *memory, centre, object.poses().iter().copied())?;
+        let poses = object.poses().iter().copied();
+        let mut scorer = SoarNet::try_new(model, &mut *memory, Vec3::ZERO, poses)?;
         for (place, &view) in views.iter().take(*counts.end()).enumerate() {
             let bytes = object.photo(view);
             let side = SIDE as u32;
@@ -394,23 +399,25 @@ pub fn agreement(
             let free: Vec<usize> =
                 (0..others).filter(|other| !views[..count].contains(other)).collect();
             for objective in 0..OBJECTIVES {
-                let a: Vec<f32> =
-                    free.iter().map(|&other| float[other * OBJECTIVES + objective]).collect();
-                let b: Vec<f32> = free
+                let a: Vec<f64> = free
                     .iter()
-                    .map(|&other| scorer.ranks(other).map_or(0.0, |ranks| ranks[objective] as f32))
+                    .map(|&other| float[other * OBJECTIVES + objective].into())
                     .collect();
-                let first = |values: &[f32]| {
+                let b: Vec<f64> = free
+                    .iter()
+                    .map(|&other| scorer.ranks(other).map_or(0.0, |ranks| ranks[objective].into()))
+                    .collect();
+                let first = |values: &[f64]| {
                     (0..values.len()).rev().max_by(|&x, &y| values[x].total_cmp(&values[y]))
                 };
-                sum += crate::measure::spearman(&a, &b);
+                sum += spearman(&b, &a).unwrap_or(1.0);
                 same += usize::from(first(&a) == first(&b));
-                steps += 1;
+                compared += 1;
             }
         }
     }
-    let of = |sum: f64| sum / steps.max(1) as f64;
-    Ok(Agreement { spearman: of(sum), same_choice: of(same as f64), steps })
+    let of = |sum: f64| sum / compared.max(1) as f64;
+    Ok(Agreement { spearman: of(sum), same_choice: of(same as f64), steps: compared })
 }
 
 /// Writes a model file that appears whole or not at all.

@@ -28,6 +28,9 @@ struct Walk {
     gains: Vec<Vec<[f32; OBJECTIVES]>>, // (steps, views, 4)
 }
 
+/// Views of a walk that training needs: a first look, and some states after it.
+pub const FEWEST_STEPS: usize = 6;
+
 /// The objects of a split, at most so many, in parallel; `done` is called after each.
 pub fn load(
     dataset: &Dataset,
@@ -45,7 +48,13 @@ pub fn load(
     indices.truncate(most.unwrap_or(usize::MAX));
     anyhow::ensure!(
         !indices.is_empty(),
-        "the data set has no {split:?} objects: make one of 24 objects or more"
+        "the data set has no objects for {split:?}: make one of 24 objects or more"
+    );
+    let parameters = &dataset.manifest().parameters;
+    anyhow::ensure!(
+        parameters.trajectories > 0 && parameters.steps >= FEWEST_STEPS,
+        "the data set's walks are too short: make it with --trajectories 1 or more and --steps \
+         {FEWEST_STEPS} or more"
     );
     let objects = indices.into_par_iter().map(|index| {
         let object = Object::new(dataset.load(index)?)?;
@@ -79,6 +88,11 @@ impl Object {
     /// The candidates.
     pub fn poses(&self) -> &[Pose] {
         &self.poses
+    }
+
+    /// The views of the shortest walk.
+    pub fn steps(&self) -> usize {
+        self.walks.iter().map(|walk| walk.views.len()).min().unwrap_or(0)
     }
 
     /// The views of a walk, in order.
