@@ -27,6 +27,8 @@ enum Command {
     Export(train::NetworkArgs),
     /// Turn an exported network into the model file that controllers and browsers read
     Quantize(train::NetworkArgs),
+    /// Measure this program's networks and write their card
+    Card(train::NetworkArgs),
 }
 
 fn main() -> ExitCode {
@@ -37,6 +39,7 @@ fn main() -> ExitCode {
         Command::Train(args) => train::run("train", &args),
         Command::Export(args) => train::run("export", &args),
         Command::Quantize(args) => train::run("quantize", &args),
+        Command::Card(args) => train::run("card", &args),
     };
     match result {
         Ok(code) => code,

@@ -75,6 +75,26 @@ struct Compared {
 
 /// Runs the comparison and prints it.
 pub fn run(args: &CompareArgs) -> Result<()> {
+    let (comparison, failed) = compare(args)?;
+    if args.json {
+        super::print(&format!("{}\n", serde_json::to_string(&comparison)?))?;
+    } else {
+        let mut objects: Vec<&str> =
+            comparison.rows.iter().map(|row| row.object.as_str()).collect();
+        objects.dedup();
+        super::print(&table(&comparison.summary, objects.len(), args.seeds))?;
+        if let Some(metrics) = &comparison.metrics {
+            super::print(&metrics_table(metrics))?;
+        }
+    }
+    if failed > 0 {
+        bail!("{failed} objects were left out");
+    }
+    Ok(())
+}
+
+/// Runs the comparison; gives its record, and how many objects could not be used.
+pub fn compare(args: &CompareArgs) -> Result<(ComparisonRecord, usize)> {
     let objects = match args.procedural {
         Some(count) => procedural(args.score.object_seed, count)?,
         None => objects_of(&args.objects)?,
@@ -129,28 +149,17 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     let metrics = comparison
         .is_measured()
         .then(|| metrics::summarise(&measured, &args.budgets, Plan::START_VIEWS));
-    if args.json {
-        let drawn = args.random_candidates;
-        let comparison = ComparisonRecord {
-            rows: runs.into_iter().map(|run| run.row).collect(),
-            summary,
-            pool_seed: args.pool.seed().filter(|_| !drawn),
-            pool: args.pool.record(),
-            random_candidates: drawn,
-            scoring: args.score.scoring(),
-            metrics,
-        };
-        super::print(&format!("{}\n", serde_json::to_string(&comparison)?))?;
-    } else {
-        super::print(&table(&summary, objects.len() - failed, args.seeds))?;
-        if let Some(metrics) = &metrics {
-            super::print(&metrics_table(metrics))?;
-        }
-    }
-    if failed > 0 {
-        bail!("{failed} of {} objects were left out", objects.len());
-    }
-    Ok(())
+    let drawn = args.random_candidates;
+    let record = ComparisonRecord {
+        rows: runs.into_iter().map(|run| run.row).collect(),
+        summary,
+        pool_seed: args.pool.seed().filter(|_| !drawn),
+        pool: args.pool.record(),
+        random_candidates: drawn,
+        scoring: args.score.scoring(),
+        metrics,
+    };
+    Ok((record, failed))
 }
 
 /// The networks that the schemes ask.

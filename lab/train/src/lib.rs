@@ -2,10 +2,12 @@
 //! `vantage-core`.
 
 pub mod augment;
+pub mod card;
 pub mod fit;
 pub mod measure;
 pub mod net;
 pub mod onnx;
+pub mod plot;
 pub mod quantize;
 pub mod reference;
 pub mod samples;

@@ -1,17 +1,19 @@
 //! Trains SOARNet, exports it and quantises it.
 
-use std::path::PathBuf;
+use std::fs;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use anyhow::{Result, ensure};
+use anyhow::{Context, Result, ensure};
 use burn::tensor::Device;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 use vantage_lab::dataset::{Dataset, Split};
+use vantage_train::card::{self, Card, Figures};
 use vantage_train::fit::{self, Recipe, Run};
 use vantage_train::measure::measure;
 use vantage_train::reference::Reference;
-use vantage_train::{onnx, quantize, samples};
+use vantage_train::{onnx, plot, quantize, samples};
 
 #[derive(Parser)]
 #[command(version, about, max_term_width = 100)]
@@ -25,6 +27,7 @@ enum Command {
     Train(TrainArgs),
     Export(ExportArgs),
     Quantize(QuantizeArgs),
+    Card(CardArgs),
 }
 
 /// Ready recipes.
@@ -96,11 +99,32 @@ struct QuantizeArgs {
     seed: u64,
 }
 
+/// Measure the networks of this program and write their card
+#[derive(Args, Clone, Debug)]
+struct CardArgs {
+    /// Folder of the run that trained lab/models/soarnet.onnx
+    #[arg(long, value_name = "DIR")]
+    run: PathBuf,
+    /// Folder of the run that trained lab/models/soarnet-poses.onnx
+    #[arg(long, value_name = "DIR")]
+    poses_run: PathBuf,
+    /// Folder of a run of the literal preset
+    #[arg(long, value_name = "DIR")]
+    literal_run: Option<PathBuf>,
+    /// The data set of the runs
+    #[arg(long, value_name = "DIR")]
+    data: PathBuf,
+    /// Folder of real objects
+    #[arg(long, value_name = "DIR")]
+    real: PathBuf,
+}
+
 fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Train(args) => train(&args),
         Command::Export(args) => export(&args),
         Command::Quantize(args) => quantize(&args),
+        Command::Card(args) => card(&args),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
@@ -152,6 +176,43 @@ fn quantize(args: &QuantizeArgs) -> Result<()> {
     Ok(())
 }
 
+fn card(args: &CardArgs) -> Result<()> {
+    let lab = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/.."));
+    let models = lab.join("models");
+    let dataset = Dataset::open(&args.data)?;
+    let parameters = dataset.manifest().parameters.clone();
+    let validation = samples::load(&dataset, Split::Validation, None, || {})?;
+    let figures = |name: &str, run: &Path| -> Result<Figures> {
+        let course = Run::existing(run)?.course()?;
+        let reference = Reference::open(&models.join(format!("{name}.onnx")))?;
+        let path = models.join(format!("{name}.model"));
+        let file = fs::read(&path).with_context(|| format!("cannot read {}", path.display()))?;
+        let agreement = quantize::agreement(&reference, &file, &validation, 3..=11)?;
+        Figures::new(course, agreement, &file)
+    };
+    let (soarnet, poses) =
+        (figures("soarnet", &args.run)?, figures("soarnet-poses", &args.poses_run)?);
+    let literal = args.literal_run.as_ref().map(|run| Run::existing(run)?.course()).transpose()?;
+    let [procedural, real] = card::compared(&args.real, &parameters)?;
+    let count = |split| dataset.objects(split).len();
+    let card = Card {
+        generator: concat!("vantage-train ", env!("CARGO_PKG_VERSION")).to_owned(),
+        objects: [count(Split::Train), count(Split::Validation), count(Split::Test)],
+        data: parameters,
+        soarnet,
+        poses,
+        literal,
+        procedural,
+        real,
+    };
+    let courses = [&card.soarnet.course, &card.poses.course];
+    fs::write(models.join("training.svg"), plot::training_svg(&courses)?)?;
+    fs::write(models.join("card.json"), serde_json::to_string_pretty(&card)? + "\n")?;
+    fs::write(lab.join("MODEL_CARD.md"), card.page())?;
+    eprintln!("wrote {}", lab.join("MODEL_CARD.md").display());
+    Ok(())
+}
+
 fn train(args: &TrainArgs) -> Result<()> {
     let mut recipe = match args.preset {
         Preset::Default => Recipe::default(),
@@ -180,6 +241,16 @@ fn train(args: &TrainArgs) -> Result<()> {
     let course = fit::fit(&run, course, &train, &validation, &device)?;
     let net = fit::load_network(&recipe.shape, &run.best_file(), &device)?;
     let best = measure(&net, &validation, 4, &device);
-    println!("best epoch {:?}: {best:?}", course.best().map(|best| best.epoch));
+    fs::write(args.out.join("training.svg"), plot::training_svg(&[&course])?)?;
+    let epoch = course.best().map_or(0, |best| best.epoch);
+    let four = |values: [f32; 4]| values.map(|value| format!("{value:.3}")).join(" ");
+    println!(
+        "best epoch {epoch}: on {} validation objects rank correlation C Q D T {}, share of the best \
+         gain {}",
+        validation.len(),
+        four(best.spearman),
+        four(best.share)
+    );
+    println!("next: cargo vantage export {} --out network.onnx", args.out.display());
     Ok(())
 }
