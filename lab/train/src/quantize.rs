@@ -19,6 +19,7 @@ use vantage_core::soarnet::{
 };
 use vantage_lab::statistics::spearman;
 
+use crate::files::write_whole;
 use crate::net::{OBJECTIVES, SIDE};
 use crate::reference::{Reference, Weights};
 use crate::samples::{Ask, Batch, Object};
@@ -422,8 +423,5 @@ pub fn agreement(
 
 /// Writes a model file that appears whole or not at all.
 pub fn save(file: &[u8], path: &Path) -> Result<()> {
-    let partial = path.with_extension("partial");
-    std::fs::write(&partial, file)
-        .and_then(|()| std::fs::rename(&partial, path))
-        .with_context(|| format!("cannot write {}", path.display()))
+    write_whole(path, file)
 }
