@@ -206,6 +206,8 @@ impl User {
         let sentence = lines.next().and_then(|line| line.strip_prefix("error: "));
         let sentence = sentence.with_context(|| format!("it gives no reason: {stderr}"))?;
         ensure!(lines.next().is_none(), "it says more than one sentence: {stderr}");
+        let doubled = sentence.rsplit_once(": ").is_some_and(|(rest, last)| rest.ends_with(last));
+        ensure!(!doubled, "it says the same twice: {sentence}");
         let says = refusal.says;
         ensure!(sentence.contains(says), "it does not say `{says}`: {sentence}");
         ensure!(listing(&self.home)? == before, "it has left something behind, or changed it");

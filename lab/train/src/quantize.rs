@@ -5,6 +5,7 @@
 //! inputs are folded into the weights that read them, so parts of one input may differ in scale.
 
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::ops::RangeInclusive;
 use std::path::Path;
 
@@ -393,10 +394,11 @@ pub fn agreement(
             if !counts.contains(&count) {
                 continue;
             }
-            if !runners.contains_key(&count) {
-                runners.insert(count, reference.runner(count, others, &["ranks"])?);
-            }
-            let float = runners[&count].run(&batch.state(0, count))?.remove(0);
+            let runner = match runners.entry(count) {
+                Entry::Occupied(there) => there.into_mut(),
+                Entry::Vacant(none) => none.insert(reference.runner(count, others, &["ranks"])?),
+            };
+            let float = runner.run(&batch.state(0, count))?.remove(0);
             let free: Vec<usize> =
                 (0..others).filter(|other| !views[..count].contains(other)).collect();
             for objective in 0..OBJECTIVES {
