@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 use std::time::Instant;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
 use image::{RgbImage, RgbaImage};
 use rayon::prelude::*;
 use vantage_core::objectives::{FaceAccount, Ledger};
@@ -21,9 +21,11 @@ use crate::metrics::Four;
 use crate::pool::FOV_X_RAD;
 use crate::render::{PhotoOptions, Renderer};
 
-/// The network that comes with the program.
-// TODO: `Some(include_bytes!("../models/soarnet.model"))` once that file is in the repository.
-pub const SHIPPED: Option<&[u8]> = None;
+/// The network that comes with the program: see `lab/MODEL_CARD.md`.
+const SHIPPED: &[u8] = include_bytes!("../models/soarnet.model");
+
+/// The one that looks at poses alone.
+const SHIPPED_POSES: &[u8] = include_bytes!("../models/soarnet-poses.model");
 
 /// The views that a network remembers: the sums of more tokens might not fit.
 pub const MOST_VIEWS: usize = 256;
@@ -41,21 +43,23 @@ pub struct Network {
 pub type NetworkScorer<'m> = SoarNet<'m, HeapMemory>;
 
 impl Network {
-    /// The network of a file, or the one that comes with the program.
-    pub fn open(file: Option<&Path>) -> Result<Self> {
-        let (bytes, name) = match (file, SHIPPED) {
-            (Some(file), _) => {
-                let bytes = fs::read(file)
-                    .with_context(|| format!("cannot read the model {}", file.display()))?;
-                (Cow::Owned(bytes), format!("the model {}", file.display()))
-            }
-            (None, Some(bytes)) => (Cow::Borrowed(bytes), "the model of this program".to_owned()),
-            (None, None) => bail!(
-                "no network comes with this program yet: train one and name its file with --model"
-            ),
-        };
-        Model::parse(&bytes).with_context(|| format!("{name} cannot be used"))?;
-        Ok(Self { bytes })
+    /// The network that comes with the program.
+    pub fn shipped() -> Self {
+        Self { bytes: Cow::Borrowed(SHIPPED) }
+    }
+
+    /// The network that comes with the program and looks at poses alone.
+    pub fn shipped_poses() -> Self {
+        Self { bytes: Cow::Borrowed(SHIPPED_POSES) }
+    }
+
+    /// The network of a file.
+    pub fn open(file: &Path) -> Result<Self> {
+        let bytes =
+            fs::read(file).with_context(|| format!("cannot read the model {}", file.display()))?;
+        Model::parse(&bytes)
+            .with_context(|| format!("the model {} cannot be used", file.display()))?;
+        Ok(Self { bytes: Cow::Owned(bytes) })
     }
 
     fn model(&self) -> Result<Model<'_>> {
@@ -269,16 +273,22 @@ pub(crate) mod tests {
     }
 
     #[test]
+    fn the_shipped_networks_are_models() {
+        assert!(Network::shipped().sees().unwrap());
+        assert!(!Network::shipped_poses().sees().unwrap());
+    }
+
+    #[test]
     fn a_file_that_is_no_model_is_refused_by_name() {
         let home = tempfile::tempdir().unwrap();
         let path = home.path().join("soarnet.model");
-        let says = |path: &Path| format!("{:#}", Network::open(Some(path)).unwrap_err());
+        let says = |path: &Path| format!("{:#}", Network::open(path).unwrap_err());
         assert!(says(&path).contains("cannot read the model"), "{}", says(&path));
         for length in [0, 10, file().len() - 1] {
             fs::write(&path, &file()[..length]).unwrap();
             assert!(says(&path).contains("cannot be used"), "{}", says(&path));
         }
         fs::write(&path, file()).unwrap();
-        Network::open(Some(&path)).unwrap();
+        Network::open(&path).unwrap();
     }
 }

@@ -13,7 +13,6 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-from PIL import Image
 
 TOLERANCE = 1e-6
 
@@ -58,6 +57,8 @@ def read_transforms(path):
 
 def read_pixels(path):
     """Shape (height, width, channels), uint8."""
+    from PIL import Image  # only the readers of photos have it
+
     with Image.open(path) as image:
         return np.array(image)
 

@@ -11,7 +11,7 @@ use crate::workspace::{Workspace, cargo};
 /// A call of `cargo vantage` and what must come of it.
 struct Check {
     /// What follows `cargo vantage`, separated by spaces. `{out}` stands for a folder of this
-    /// check, empty but for `damaged.glb`; `{file}` for that file's path.
+    /// check, empty but for the folder `{in}` with [`FILES`].
     call: &'static str,
     expect: Expect,
 }
@@ -27,6 +27,26 @@ enum Expect {
 }
 
 use Expect::{Files, Refusal, Says};
+
+/// What is there before a call, by path below `{in}`.
+const FILES: &[(&str, &[u8])] = &[
+    // A GLB header that announces 4 GB, and no more.
+    ("damaged.glb", b"glTF\x02\0\0\0\xff\xff\xff\xff"),
+    ("no-list/transforms.json", br#"{"fl_x": 50}"#),
+    ("no-json/transforms.json", b"frames"),
+    ("no-pose/transforms.json", br#"{"fl_x": 50, "frames": [{"file_path": "photo.png"}]}"#),
+    (
+        "no-lens/transforms.json",
+        br#"{"frames": [{"file_path": "photo.png", "transform_matrix":
+        [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 3], [0, 0, 0, 1]]}]}"#,
+    ),
+    ("no-photo/transforms.json", ONE_FRAME),
+    ("bad-photo/transforms.json", ONE_FRAME),
+    ("bad-photo/photo.png", b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR"),
+];
+
+const ONE_FRAME: &[u8] = br#"{"fl_x": 50, "frames": [{"file_path": "photo.png", "transform_matrix":
+    [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 3], [0, 0, 0, 1]]}]}"#;
 
 const SMALL: &[&str] = &[
     "plan/transforms.json",
@@ -61,10 +81,22 @@ const CHECKS: &[Check] = &[
         expect: Refusal("elevations must rise"),
     },
     Check { call: "plan no-such-object --out {out}/plan", expect: Refusal("no-such-object") },
-    Check { call: "plan {file} --out {out}/plan", expect: Refusal("damaged") },
-    Check { call: "plan --pool {file}", expect: Refusal("damaged.glb") },
+    Check { call: "plan {in}/damaged.glb --out {out}/plan", expect: Refusal("damaged") },
+    Check { call: "plan --pool {in}/damaged.glb", expect: Refusal("damaged.glb") },
     Check { call: "plan --candidates 30 --budget 5 --size 64 --out {out}", expect: Refusal("not empty") },
-    Check { call: "plan --out {file}/plan", expect: Refusal("damaged.glb is a file") },
+    Check { call: "plan --out {in}/damaged.glb/plan", expect: Refusal("damaged.glb is a file") },
+    Check { call: "plan --photos {out}/none --out {out}/plan", expect: Refusal("there is no folder") },
+    Check { call: "plan --photos {out} --out {out}/plan", expect: Refusal("holds no transforms.json") },
+    Check { call: "plan --photos {in}/no-json --out {out}/plan", expect: Refusal("is not JSON") },
+    Check { call: "plan --photos {in}/no-list --out {out}/plan", expect: Refusal("has no list `frames`") },
+    Check { call: "plan --photos {in}/no-pose --out {out}/plan", expect: Refusal("has no `transform_matrix`") },
+    Check { call: "plan --photos {in}/no-lens --out {out}/plan", expect: Refusal("has no `fl_x`") },
+    Check { call: "plan --photos {in}/no-photo --out {out}/plan", expect: Refusal("there is no such file") },
+    Check { call: "plan --photos {in}/bad-photo --out {out}/plan", expect: Refusal("cannot be decoded") },
+    Check {
+        call: "plan ball --scheme soarnet --model {in}/damaged.glb --out {out}/plan",
+        expect: Refusal("damaged.glb cannot be used"),
+    },
     Check { call: "compare --budgets 0", expect: Refusal("at least one view") },
     Check { call: "compare --schemes best", expect: Refusal("no scheme `best`") },
 ];
@@ -102,15 +134,15 @@ fn run(program: &Path, check: &Check, out: &Path) -> Result<()> {
     if out.exists() {
         fs::remove_dir_all(out)?;
     }
-    fs::create_dir_all(out)?;
-    let file = out.join("damaged.glb");
-    // A GLB header that announces 4 GB, and no more.
-    fs::write(&file, b"glTF\x02\0\0\0\xff\xff\xff\xff")?;
-    let (folder, file) = (out.to_str(), file.to_str());
-    let (folder, file) = folder.zip(file).context("the target directory's path is not UTF-8")?;
+    for (name, bytes) in FILES {
+        let file = out.join("in").join(name);
+        fs::create_dir_all(file.parent().unwrap_or(out))?;
+        fs::write(file, bytes)?;
+    }
+    let folder = out.to_str().context("the target directory's path is not UTF-8")?;
     let mut call = command::new(out, program);
     let words = check.call.split(' ');
-    call.args(words.map(|word| word.replace("{out}", folder).replace("{file}", file)));
+    call.args(words.map(|word| word.replace("{in}", "{out}/in").replace("{out}", folder)));
 
     let output = call.output().context("the program did not start")?;
     let stdout = String::from_utf8_lossy(&output.stdout);

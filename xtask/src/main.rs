@@ -11,6 +11,7 @@ mod setup;
 mod steps;
 mod test;
 mod toolchain;
+mod train;
 mod wasm;
 mod web;
 mod workspace;

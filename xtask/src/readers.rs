@@ -1,4 +1,4 @@
-//! Other people's programs read the folders that we export.
+//! Other people's programs read the folders and networks that we export.
 //!
 //! `tests/readers/README.md` says what each script checks. Each reader has its own virtual
 //! environment under the target directory, since they need different versions of numpy.
@@ -25,7 +25,7 @@ struct Reader {
     runs: &'static [&'static [&'static str]],
 }
 
-/// Every reader. To add one, add a line.
+/// Every reader of folders. To add one, add a line.
 const READERS: &[Reader] = &[
     Reader { name: "colmap", pip: &[], runs: &[&["trainer"], &["planned"]] },
     Reader {
@@ -38,20 +38,40 @@ const READERS: &[Reader] = &[
 /// The versions of Python for which every reader has a wheel.
 const PYTHONS: [&str; 2] = ["3.11", "3.12"];
 
-/// Writes folders, installs the readers and runs each of them; every script also shows that it
-/// finds faults.
+/// The reader of networks: apart, since writing one takes a deep-learning library.
+const ONNX: Reader = Reader { name: "onnx", pip: &[], runs: &[&["."]] };
+
+/// Writes folders, and has them read.
 pub fn test(workspace: &Workspace) -> Result<Outcome> {
+    read(workspace, READERS, write_folders)
+}
+
+/// The same for the reader of networks; `write` makes the folder that it is given.
+pub fn test_onnx(
+    workspace: &Workspace,
+    write: fn(&Workspace) -> Result<PathBuf>,
+) -> Result<Outcome> {
+    read(workspace, &[ONNX], write)
+}
+
+/// Installs readers, makes folders and runs each reader; every script also shows that it finds
+/// faults.
+fn read(
+    workspace: &Workspace,
+    readers: &[Reader],
+    write: fn(&Workspace) -> Result<PathBuf>,
+) -> Result<Outcome> {
     let Some(python) = python(workspace) else {
         return Ok(Outcome::Skipped(format!("Python {} is missing", PYTHONS.join(" or "))));
     };
     let mut environments = Vec::new();
-    for reader in READERS {
+    for reader in readers {
         let environment = install(workspace, &python, reader)
             .with_context(|| format!("{} could not be installed", reader.name))?;
         environments.push(environment);
     }
-    let folders = write_folders(workspace)?;
-    for (reader, environment) in READERS.iter().zip(environments) {
+    let folders = write(workspace)?;
+    for (reader, environment) in readers.iter().zip(environments) {
         // Faults are planted in the sample folders only: once is enough.
         let plain = reader.runs.iter().map(|run| (None, *run));
         let planted = reader.runs.first().map(|run| (Some("--self-test"), *run));

@@ -7,7 +7,7 @@ use crate::setup::Need;
 use crate::test::Outcome;
 use crate::toolchain::Target;
 use crate::workspace::{Workspace, cargo};
-use crate::{cli, core_rules, readers, same_plan, web};
+use crate::{cli, core_rules, readers, same_plan, train, web};
 
 /// One step of the tests.
 pub struct Step {
@@ -48,10 +48,10 @@ pub const STEPS: &[Step] = &[
     },
     Step {
         name: "unit",
-        about: "cargo test of the whole workspace",
+        about: "cargo test of the whole workspace but the training, whose libraries take minutes",
         slow: false,
         needs: &[],
-        run: |workspace| run_cargo(workspace, &["test", "--quiet", "--workspace"]),
+        run: unit,
     },
     Step {
         name: "core-features",
@@ -124,6 +124,20 @@ pub const STEPS: &[Step] = &[
         run: readers::test,
     },
     Step {
+        name: "train",
+        about: "a small data set becomes a trained network, ONNX, a model file and a plan",
+        slow: true,
+        needs: &[],
+        run: |workspace| train::test(workspace).map(Outcome::passed),
+    },
+    Step {
+        name: "train-onnx",
+        about: "ONNX's checker and onnxruntime agree with the network as it is trained",
+        slow: true,
+        needs: &[Need::Python],
+        run: train::onnx,
+    },
+    Step {
         name: "web",
         about: "the page's types and tests, and its production build",
         slow: true,
@@ -140,6 +154,12 @@ fn run_cargo(workspace: &Workspace, arguments: &[&str]) -> Result<Outcome> {
 fn clippy(workspace: &Workspace) -> Result<Outcome> {
     let scope = ["clippy", "--quiet", "--workspace", "--all-targets", "--all-features"];
     run_cargo(workspace, &[scope.as_slice(), &["--", "-D", "warnings"]].concat())
+}
+
+fn unit(workspace: &Workspace) -> Result<Outcome> {
+    // Step `train` tests it with optimisation, and so builds burn and tract once.
+    let scope = ["--workspace", "--exclude", "vantage-train"];
+    run_cargo(workspace, &[["test", "--quiet"].as_slice(), &scope].concat())
 }
 
 fn core_features(workspace: &Workspace) -> Result<Outcome> {

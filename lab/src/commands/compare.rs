@@ -602,7 +602,6 @@ mod tests {
     fn what_cannot_be_compared_is_said() {
         for (arguments, words) in [
             (&["--schemes", "best"][..], "no scheme `best`"),
-            (&["--schemes", "soarnet-poses"], "--poses-model"),
             (
                 &["--schemes", "soarnet", "--model", "none.model"],
                 "cannot read the model none.model",

@@ -19,7 +19,7 @@ use vantage_core::Camera;
 use vantage_core::objectives::Reading;
 
 use crate::label::RESOLUTION;
-use crate::network::{self, Network};
+use crate::network::Network;
 use crate::object::Object;
 use crate::pool::FOV_X_RAD;
 use crate::record::Scoring;
@@ -74,7 +74,8 @@ pub struct ModelArgs {
     /// The network of the schemes soarnet… [default: the one that comes with the program]
     #[arg(long, value_name = "FILE")]
     pub model: Option<PathBuf>,
-    /// The network without images of the schemes soarnet-poses…
+    /// The network without images of the schemes soarnet-poses… [default: the one that comes with the
+    /// program]
     #[arg(long, value_name = "FILE")]
     pub poses_model: Option<PathBuf>,
 }
@@ -86,26 +87,19 @@ impl ModelArgs {
     }
 
     fn open(&self, network: scheme::Network) -> Result<Network> {
-        match network {
-            scheme::Network::Soarnet => Network::open(self.model.as_deref()),
-            scheme::Network::Poses => {
-                let file = self.poses_model.as_deref();
-                let file = file.context(
-                    "the scheme soarnet-poses needs a network without images: --poses-model FILE",
-                )?;
-                let network = Network::open(Some(file))?;
+        match (network, &self.model, &self.poses_model) {
+            (scheme::Network::Soarnet, Some(file), _) => Network::open(file),
+            (scheme::Network::Soarnet, None, _) => Ok(Network::shipped()),
+            (scheme::Network::Poses, _, Some(file)) => {
+                let network = Network::open(file)?;
                 if network.sees()? {
                     bail!("the model {} looks at images: give it as --model", file.display());
                 }
                 Ok(network)
             }
+            (scheme::Network::Poses, _, None) => Ok(Network::shipped_poses()),
         }
     }
-}
-
-/// The scheme of a plan, if none is named: the network's, or `otherwise` where none comes along.
-fn default_scheme<'a>(model: &ModelArgs, otherwise: &'a str) -> &'a str {
-    if model.model.is_some() || network::SHIPPED.is_some() { "soarnet" } else { otherwise }
 }
 
 /// A side of a picture that can be rendered.

@@ -67,7 +67,7 @@ struct Candidate {
 /// Names the next views.
 pub fn run(args: &PlanArgs, folder: &Path) -> Result<()> {
     // Whatever can be refused is refused before the long work.
-    let scheme = args.scheme.as_deref().unwrap_or(super::default_scheme(&args.model, "fps"));
+    let scheme = args.scheme();
     plan::with_options(args, scheme, 1)?;
     let network = args.model.network_of(scheme)?;
     if network.is_none() && !scheme::needs_poses_only(scheme) {
@@ -403,7 +403,6 @@ mod tests {
         for (more, words) in [
             (vec!["--scheme", "e"], "needs a mesh"),
             (vec!["--scheme", "best"], "no scheme `best`"),
-            (vec!["--scheme", "soarnet-poses"], "--poses-model"),
             (
                 vec!["--scheme", "soarnet", "--model", "none.model"],
                 "cannot read the model none.model",

@@ -36,8 +36,7 @@ pub struct PlanArgs {
     /// How views are chosen. Predicted by a network: soarnet (the ensemble), soarnet-c, -q, -d or -t
     /// (one objective alone), soarnet-sum; soarnet-poses… without looking at photos. Exactly, from
     /// the mesh: e, e-literal, c, q, d, t, sum. By poses: fps (farthest-point sampling), pc-fps (the
-    /// same after pseudo-coverage), random [default: soarnet where there is a network, else e, or
-    /// fps with --photos]
+    /// same after pseudo-coverage), random [default: soarnet]
     #[arg(long, short, value_name = "S")]
     pub scheme: Option<String>,
     #[command(flatten)]
@@ -94,9 +93,9 @@ pub enum ProfileArg {
 }
 
 impl PlanArgs {
-    /// The scheme for an object.
-    fn scheme(&self) -> &str {
-        self.scheme.as_deref().unwrap_or(super::default_scheme(&self.model, "e"))
+    /// The scheme: the network's where none is named.
+    pub(super) fn scheme(&self) -> &str {
+        self.scheme.as_deref().unwrap_or("soarnet")
     }
 }
 

@@ -20,11 +20,19 @@ pub struct NetworkArgs {
 pub fn run(command: &str, args: &NetworkArgs) -> Result<ExitCode> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let manifest = concat!(env!("CARGO_MANIFEST_DIR"), "/train/Cargo.toml");
-    let status = Command::new(&cargo)
-        .args(["run", "--release", "--manifest-path", manifest, "--", command])
-        .args(&args.args)
-        .status()
-        .with_context(|| format!("cannot start {}", cargo.display()))?;
-    // Whatever failed has told its reason.
-    Ok(if status.success() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+    // Built aloud, since that may take minutes; run quietly, or cargo would add its own words to
+    // whatever the program refuses.
+    let built =
+        succeeds(Command::new(&cargo).args(["build", "--release", "--manifest-path", manifest]))?;
+    let run = ["run", "--quiet", "--release", "--manifest-path", manifest, "--", command];
+    let done = built && succeeds(Command::new(&cargo).args(run).args(&args.args))?;
+    Ok(if done { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+/// Whether a program succeeds; one that fails has told its reason.
+fn succeeds(command: &mut Command) -> Result<bool> {
+    let status = command.status();
+    let status =
+        status.with_context(|| format!("cannot start {}", command.get_program().display()))?;
+    Ok(status.success())
 }

@@ -132,15 +132,8 @@ impl fmt::Display for DatasetError {
     }
 }
 
-impl std::error::Error for DatasetError {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        match self {
-            Self::Io { error, .. } => Some(error),
-            Self::BadShard { why, .. } => Some(why),
-            _ => None,
-        }
-    }
-}
+// No `source`: the sentences above hold the system's words already.
+impl std::error::Error for DatasetError {}
 
 impl fmt::Display for ShardError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -20,6 +20,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
 
+use crate::files::write_whole;
 use crate::measure::{Measured, measure};
 use crate::net::{Answer, Network, Shape};
 use crate::samples::{Ask, Batch, Object, Target};
@@ -84,6 +85,17 @@ impl Recipe {
         }
     }
 
+    /// What no training can do with.
+    fn check(&self) -> Result<()> {
+        ensure!(self.epochs > 0, "--epochs is 0: train for one at least");
+        ensure!(self.batch > 0, "--batch is 0: a step takes one capture at least");
+        let rate = self.rate;
+        ensure!(rate.is_finite() && rate > 0.0, "--rate is {rate}: give one above 0");
+        let weight = self.listwise;
+        ensure!(weight.is_finite() && weight >= 0.0, "--listwise is {weight}: give 0 or more");
+        Ok(())
+    }
+
     /// The rate at a step of so many.
     fn rate_at(&self, step: usize, steps: usize) -> f64 {
         let share = step as f64 / steps as f64;
@@ -134,13 +146,16 @@ pub struct Run {
 
 impl Run {
     /// Opens a folder for a run of this recipe on this data: a new one, or one to go on with.
+    ///
+    /// Nothing is written before [`fit`]: what is refused meanwhile leaves no folder behind.
     pub fn open(dir: &Path, recipe: &Recipe, data: &str) -> Result<(Self, Course)> {
+        recipe.check()?;
+        ensure!(!dir.is_file(), "{} is a file: name a folder", dir.display());
         let run = Self { dir: dir.to_owned() };
         let fresh = Course { recipe: recipe.clone(), data: data.to_owned(), epochs: Vec::new() };
         if !run.course_file().exists() {
             let occupied = fs::read_dir(dir).is_ok_and(|mut entries| entries.next().is_some());
             ensure!(!occupied, "{} is not empty: name another folder", dir.display());
-            fs::create_dir_all(dir).with_context(|| format!("cannot create {}", dir.display()))?;
             return Ok((run, fresh));
         }
         let course = run.course()?;
@@ -200,8 +215,8 @@ impl Run {
             fs::copy(&weights, &partial)?;
             fs::rename(&partial, self.best_file())?;
         }
-        write_whole(&self.dir.join("metrics.csv"), &csv(course))?;
-        write_whole(&self.course_file(), &serde_json::to_string_pretty(course)?)?;
+        write_whole(&self.dir.join("metrics.csv"), csv(course).as_bytes())?;
+        write_whole(&self.course_file(), serde_json::to_string_pretty(course)?.as_bytes())?;
         if epochs > 1 {
             let (weights, state) = self.checkpoint(epochs - 1);
             let _ = (fs::remove_file(weights), fs::remove_file(state));
@@ -224,13 +239,6 @@ pub fn load_network(shape: &Shape, path: &Path, device: &Device) -> Result<Netwo
     let record = ModuleRecord::load(path)
         .map_err(|error| anyhow::anyhow!("cannot read {}: {error}", path.display()))?;
     Ok(Network::new(shape, device).load_record(record))
-}
-
-fn write_whole(path: &Path, text: &str) -> Result<()> {
-    let partial = path.with_extension("partial");
-    fs::write(&partial, text)
-        .and_then(|()| fs::rename(&partial, path))
-        .with_context(|| format!("cannot write {}", path.display()))
 }
 
 fn csv(course: &Course) -> String {
@@ -267,6 +275,7 @@ pub fn fit_until(
     device: &Device,
     stop: usize,
 ) -> Result<Course> {
+    fs::create_dir_all(&run.dir).with_context(|| format!("cannot create {}", run.dir.display()))?;
     let recipe = course.recipe.clone();
     let device = device.clone().autodiff();
     device.seed(recipe.seed);

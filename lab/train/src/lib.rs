@@ -3,6 +3,7 @@
 
 pub mod augment;
 pub mod card;
+mod files;
 pub mod fit;
 pub mod measure;
 pub mod net;

@@ -25,7 +25,7 @@ use vantage_core::soarnet::features::{COUNT, DIRECTION, RELATION};
 /// Side of a photo in pixels.
 pub const SIDE: usize = 64;
 /// Side of the last map.
-const LAST: usize = 4;
+pub const LAST: usize = 4;
 /// Outputs of G: scores, means, spreads.
 pub const STATE: usize = 12;
 /// C, Q, D, T.

@@ -11,10 +11,9 @@
 //! Outputs: `ranks` (Z, 4) and `state` (1, 12), as [`net`](crate::net) has them. K views, Z
 //! candidates. Opset 17.
 
-use std::fs;
 use std::path::Path;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use burn::nn::Linear;
 use burn::tensor::Tensor;
 use prost::Message;
@@ -27,6 +26,7 @@ use tract_onnx::pb::{
 };
 use vantage_core::soarnet::features::{COUNT, DIRECTION, RELATION};
 
+use crate::files::write_whole;
 use crate::net::{Encoder, Network, Normalised, OBJECTIVES, SIDE, STATE};
 
 /// The ONNX operator set that is used.
@@ -39,11 +39,7 @@ const INT64: i32 = 7;
 
 /// Writes a network; the file appears whole or not at all.
 pub fn export(net: &Network, path: &Path) -> Result<()> {
-    let bytes = model(net).encode_to_vec();
-    let partial = path.with_extension("partial");
-    fs::write(&partial, bytes)
-        .and_then(|()| fs::rename(&partial, path))
-        .with_context(|| format!("cannot write {}", path.display()))
+    write_whole(path, &model(net).encode_to_vec())
 }
 
 /// A network as an ONNX model.

@@ -7,6 +7,7 @@
 //! that the mean squared error is least.
 
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::ops::RangeInclusive;
 use std::path::Path;
 
@@ -21,6 +22,7 @@ use vantage_core::soarnet::{
 };
 use vantage_lab::statistics::spearman;
 
+use crate::files::write_whole;
 use crate::net::{OBJECTIVES, SIDE, Shape};
 use crate::reference::{Reference, Weights};
 use crate::samples::{Ask, Batch, Object};
@@ -468,10 +470,11 @@ pub fn agreement(
             if !counts.contains(&count) {
                 continue;
             }
-            if !runners.contains_key(&count) {
-                runners.insert(count, reference.runner(count, others, &["ranks"])?);
-            }
-            let float = runners[&count].run(&batch.state(0, count))?.remove(0);
+            let runner = match runners.entry(count) {
+                Entry::Occupied(there) => there.into_mut(),
+                Entry::Vacant(none) => none.insert(reference.runner(count, others, &["ranks"])?),
+            };
+            let float = runner.run(&batch.state(0, count))?.remove(0);
             let free: Vec<usize> =
                 (0..others).filter(|other| !views[..count].contains(other)).collect();
             for objective in 0..OBJECTIVES {
@@ -498,8 +501,5 @@ pub fn agreement(
 
 /// Writes a model file that appears whole or not at all.
 pub fn save(file: &[u8], path: &Path) -> Result<()> {
-    let partial = path.with_extension("partial");
-    std::fs::write(&partial, file)
-        .and_then(|()| std::fs::rename(&partial, path))
-        .with_context(|| format!("cannot write {}", path.display()))
+    write_whole(path, file)
 }

@@ -8,7 +8,7 @@ use tract_onnx::pb::ModelProto;
 use tract_onnx::prelude::*;
 use vantage_core::soarnet::features::{COUNT, DIRECTION, RELATION};
 
-use crate::net::{SIDE, Shape};
+use crate::net::{LAST, OBJECTIVES, SIDE, STATE, Shape};
 use crate::samples::State;
 
 /// A named array.
@@ -54,7 +54,8 @@ impl Reference {
             let dims: Vec<usize> = tensor.dims.iter().map(|&size| size as usize).collect();
             let (bytes, _) = tensor.raw_data.as_chunks::<4>();
             let values: Vec<f32> = bytes.iter().map(|&bytes| f32::from_le_bytes(bytes)).collect();
-            ensure!(values.len() == dims.iter().product::<usize>(), foreign());
+            let length = dims.iter().try_fold(1usize, |length, &size| length.checked_mul(size));
+            ensure!(length == Some(values.len()), foreign());
             ensure!(
                 values.iter().all(|value| value.is_finite()),
                 "{} holds a weight that is not finite: train it again",
@@ -155,9 +156,55 @@ fn shape_of(weights: &HashMap<String, Weights>) -> Option<Shape> {
         relative: true,
         maximum: true,
     };
-    let fits = dim("view.weight", 0)? == embedding + DIRECTION
-        && dim("relation.weight", 0)? == RELATION
-        && dim("head_in.weight", 0)? == 2 * shape.token + DIRECTION
-        && dim("state_in.weight", 0)? == 2 * shape.token;
-    fits.then_some(shape)
+    let fits = |(name, dims): &(String, Vec<usize>)| {
+        weights.get(name).is_some_and(|weights| weights.dims == *dims)
+    };
+    arrays(&shape).iter().all(fits).then_some(shape)
+}
+
+/// The arrays of a network and their dimensions, as `onnx` writes them.
+fn arrays(shape: &Shape) -> Vec<(String, Vec<usize>)> {
+    let Shape { channels, embedding, token, head, state, .. } = *shape;
+    let mut arrays = Vec::new();
+    let mut add = |name: &str, dims: &[usize]| arrays.push((name.to_owned(), dims.to_vec()));
+    if embedding > 0 {
+        let mut convolution = |name: &str, from: usize, to: usize| {
+            add(&format!("{name}.weight"), &[to, from, 3, 3]);
+            add(&format!("{name}.bias"), &[to]);
+        };
+        convolution("stem", 3, channels[0]);
+        for stage in 1..channels.len() {
+            let (from, to) = (channels[stage - 1], channels[stage]);
+            convolution(&format!("stage{stage}.down"), from, to);
+            convolution(&format!("stage{stage}.first"), to, to);
+            convolution(&format!("stage{stage}.second"), to, to);
+        }
+        add("embed.weight", &[channels[3].saturating_mul(LAST * LAST), embedding]);
+        add("embed.bias", &[embedding]);
+    }
+    let pooled = token.saturating_mul(2);
+    for (name, dims) in [
+        ("view.weight", [embedding.saturating_add(DIRECTION), token]),
+        ("relation.weight", [RELATION, token]),
+        ("token.weight", [token, token]),
+        ("head_in.weight", [pooled.saturating_add(DIRECTION), head]),
+        ("head_in.count_weight", [COUNT, head]),
+        ("head_out.weight", [head, OBJECTIVES]),
+        ("state_in.weight", [pooled, state]),
+        ("state_in.count_weight", [COUNT, state]),
+        ("state_out.weight", [state, STATE]),
+    ] {
+        add(name, &dims);
+    }
+    for (name, length) in [
+        ("view.bias", token),
+        ("token.bias", token),
+        ("head_in.bias", head),
+        ("head_out.bias", OBJECTIVES),
+        ("state_in.bias", state),
+        ("state_out.bias", STATE),
+    ] {
+        add(name, &[length]);
+    }
+    arrays
 }
