@@ -41,6 +41,10 @@ pub struct DatasetArgs {
     /// Train views of each object; as many validation views, twice as many test views
     #[arg(long, default_value_t = 100, value_name = "N")]
     pub views: usize,
+    /// Validation views of each object, where another number is wanted: training looks at none of
+    /// them, and without most of them an object takes half the time and room
+    #[arg(long, value_name = "N")]
+    pub validation_views: Option<usize>,
     /// Threads [default: one for each processor]; the data do not depend on it
     #[arg(long, value_name = "N")]
     pub jobs: Option<usize>,
@@ -103,7 +107,7 @@ fn parameters_of(args: &DatasetArgs) -> Result<Parameters> {
         image_size: args.image_size,
         resolution: args.resolution,
         train_views: args.views,
-        validation_views: args.views,
+        validation_views: args.validation_views.unwrap_or(args.views),
         test_views: args.views.saturating_mul(2),
         trajectories: args.trajectories,
         steps: args.steps,
