@@ -117,8 +117,10 @@ fn convolved(
     output
 }
 
-fn embedding(network: &OwnNetwork, input: &[i8]) -> Vec<i8> {
+/// Embedding and sketch.
+fn encoded(network: &OwnNetwork, input: &[i8]) -> (Vec<i8>, Vec<i8>) {
     let layers = &network.encoder;
+    let mut sketch = vec![0; 320];
     let (mut map, mut side, mut zero) = (convolved(&layers[0], 2, 64, 0, input, true), 32, -128);
     for stage in 0..3 {
         let [down, first, second] = [1, 2, 3].map(|part| &layers[3 * stage + part]);
@@ -135,8 +137,20 @@ fn embedding(network: &OwnNetwork, input: &[i8]) -> Vec<i8> {
         };
         map = x.iter().zip(&b).map(sum).collect();
         zero = sum_zero;
+        if stage == 1 {
+            for cell in 0..64 {
+                let channels = &map[cell * layers[11].weights.len() / 5..][..layers[11].weights.len() / 5];
+                let told = bytes(&layers[11], channels, false);
+                let (row, column) = (cell / 8, cell % 8);
+                for quarter in 0..4 {
+                    let (y, x) = (2 * row + quarter / 2, 2 * column + quarter % 2);
+                    sketch[16 * y + x] = told[quarter];
+                }
+                sketch[256 + cell] = told[4];
+            }
+        }
     }
-    bytes(&layers[10], &map, false)
+    (bytes(&layers[10], &map, false), sketch)
 }
 
 fn mean(values: &[i8]) -> i8 {
@@ -144,14 +158,18 @@ fn mean(values: &[i8]) -> i8 {
     (f64::from(sum) / values.len() as f64 + 0.5).floor() as i8
 }
 
-/// Ranks of every candidate and the state, from all views at once.
-fn at_once(network: &OwnNetwork, views: &[(Vec<i8>, Stance)]) -> (Vec<Vec<i32>>, Vec<i32>) {
+/// Ranks of every candidate and the state, from all views at once; `outlooks` of each candidate.
+fn at_once(
+    network: &OwnNetwork,
+    views: &[(Vec<i8>, Stance)],
+    outlooks: &[Vec<i8>],
+) -> (Vec<Vec<i32>>, Vec<i32>) {
     let [token_1, token_2, hidden, output, state_hidden, state_output] = &network.heads[..] else {
         unreachable!()
     };
     let counted = count(views.len());
     let (mut ranks, mut all) = (Vec::new(), Vec::new());
-    for pose in poses() {
+    for (pose, outlook) in poses().iter().zip(outlooks) {
         let direction = Direction::try_from_vector(pose.position() - CENTRE).unwrap();
         let tokens: Vec<Vec<i8>> = views
             .iter()
@@ -167,7 +185,7 @@ fn at_once(network: &OwnNetwork, views: &[(Vec<i8>, Stance)]) -> (Vec<Vec<i32>>,
         let means: Vec<i8> = (0..width).map(|h| mean(&column(h))).collect();
         let maxima: Vec<i8> = (0..width).map(|h| *column(h).iter().max().unwrap()).collect();
         let pooled = [means, maxima].concat();
-        let input = [pooled.as_slice(), &direction.features(), &counted].concat();
+        let input = [pooled.as_slice(), outlook, &direction.features(), &counted].concat();
         ranks.push(wide(output, &bytes(hidden, &input, true)));
         all.push(pooled);
     }
@@ -195,15 +213,27 @@ fn the_network_is_its_plain_definition() {
 
             let mut input = [0; vantage_core::soarnet::INPUT];
             photo.image.unwrap().resize(&photo.window.unwrap(), &mut input);
-            let embedding =
-                if dimensions.embedding > 0 { embedding(&network, &input) } else { vec![] };
+            let (embedding, sketch) = match dimensions.embedding {
+                0 => (vec![], None),
+                _ => {
+                    let (embedding, sketch) = encoded(&network, &input);
+                    (embedding, Some(sketch))
+                }
+            };
+            assert_eq!(scorer.sketch(views.len()).map(|sketch| sketch.to_vec()), sketch);
             // Not all the same, and not all at the ends of the range.
             let middle = embedding.iter().filter(|value| value.unsigned_abs() < 127).count();
             assert!(middle * 2 >= embedding.len(), "{embedding:?}");
             assert_eq!(scorer.embedding(views.len()).unwrap(), embedding);
             views.push((embedding, Stance::try_new(&pose, CENTRE).unwrap()));
 
-            let (ranks, state) = at_once(&network, &views);
+            let outlooks: Vec<Vec<i8>> = (0..CANDIDATES)
+                .map(|candidate| match dimensions.embedding {
+                    0 => vec![],
+                    _ => scorer.outlook(candidate).unwrap().map(|number| number as i8).to_vec(),
+                })
+                .collect();
+            let (ranks, state) = at_once(&network, &views, &outlooks);
             assert_eq!(scorer.state().as_slice(), state);
             for (index, expected) in ranks.iter().enumerate() {
                 assert_eq!(scorer.ranks(index).unwrap().as_slice(), expected);
@@ -220,8 +250,10 @@ fn a_photo_encodes_to_the_same_in_and_out_of_a_session() {
     let bytes = picture(0);
     let image = photo(&bytes).image.unwrap();
     let mut scratch = Scratch::new();
-    let embedding = model.encode(&image, &image.middle().unwrap(), &mut scratch);
-    assert_eq!(after(model, &[0]).embedding(0).unwrap(), embedding);
+    let seen = model.encode(&image, &image.middle().unwrap(), &mut scratch);
+    let scorer = after(model, &[0]);
+    assert_eq!(scorer.embedding(0).unwrap(), seen.embedding);
+    assert_eq!(scorer.sketch(0).unwrap(), seen.sketch);
 }
 
 #[test]

@@ -10,8 +10,10 @@ use image::{RgbImage, RgbaImage};
 use rayon::prelude::*;
 use vantage_core::objectives::{FaceAccount, Ledger};
 use vantage_core::planner::{Plan, Scorer, Session};
-use vantage_core::soarnet::{Image, Lists, ListsMut, Memory, Model, Photo, Pixels, SIDE, Scratch};
-use vantage_core::soarnet::{SoarNet, features};
+use vantage_core::soarnet::{
+    Form, Image, Lists, ListsMut, Memory, Model, OUTLOOK, Photo, Pixels, SIDE, SKETCH, Scratch,
+    SoarNet, features,
+};
 use vantage_core::{Camera, Objective, Pose, Vec3};
 
 use crate::exact::{Labelled, Step};
@@ -159,9 +161,12 @@ pub struct HeapMemory {
     directions: Vec<features::Direction>,
     sums: Vec<i16>,
     maxima: Vec<i8>,
+    outlooks: Vec<[i32; OUTLOOK]>,
     ranks: Vec<[i32; 4]>,
     embeddings: Vec<i8>,
+    sketches: Vec<[i8; SKETCH]>,
     stances: Vec<features::Stance>,
+    form: Box<Form>,
     scratch: Box<Scratch>,
 }
 
@@ -172,9 +177,12 @@ impl HeapMemory {
             directions: vec![features::Direction::default(); candidates],
             sums: vec![0; candidates * sizes.width],
             maxima: vec![0; candidates * sizes.width],
+            outlooks: vec![[0; OUTLOOK]; candidates],
             ranks: vec![[0; 4]; candidates],
             embeddings: vec![0; views * sizes.embedding],
+            sketches: vec![[0; SKETCH]; if sizes.embedding > 0 { views } else { 0 }],
             stances: vec![features::Stance::default(); views],
+            form: Box::default(),
             scratch: Box::default(),
         }
     }
@@ -185,8 +193,10 @@ impl Memory for HeapMemory {
         Lists {
             sums: &self.sums,
             maxima: &self.maxima,
+            outlooks: &self.outlooks,
             ranks: &self.ranks,
             embeddings: &self.embeddings,
+            sketches: &self.sketches,
             stances: &self.stances,
         }
     }
@@ -196,9 +206,12 @@ impl Memory for HeapMemory {
             directions: &mut self.directions,
             sums: &mut self.sums,
             maxima: &mut self.maxima,
+            outlooks: &mut self.outlooks,
             ranks: &mut self.ranks,
             embeddings: &mut self.embeddings,
+            sketches: &mut self.sketches,
             stances: &mut self.stances,
+            form: &mut self.form,
             scratch: &mut self.scratch,
         }
     }

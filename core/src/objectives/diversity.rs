@@ -52,7 +52,7 @@ const CERTAIN_INLIER: f32 = 0.461;
 /// `1 / (1 + exp(10 - asin(cosine) in degrees))`. The arc sine is its series to the ninth power,
 /// which is off by more than rounding only where psi is constant.
 #[inline(always)]
-fn inlier_weight(cosine: f32) -> f32 {
+pub(crate) fn inlier_weight(cosine: f32) -> f32 {
     let x = cosine.clamp(-CERTAIN_INLIER, CERTAIN_INLIER);
     let square = x * x;
     let series = 15.0 / 336.0 + square * (105.0 / 3456.0);

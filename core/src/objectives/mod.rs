@@ -11,6 +11,7 @@ mod scores;
 mod surface;
 mod texture;
 
+pub(crate) use diversity::inlier_weight;
 pub use ledger::{FaceAccount, Ledger, LedgerError};
 pub use reading::{Form, Reading};
 pub use scores::{Objective, Scores, smoothing};

@@ -1,4 +1,4 @@
-//! From a photo to its embedding: once, when the photo is taken.
+//! From a photo to its sketch and its embedding: once, when the photo is taken.
 //!
 //! A small residual network (He et al., 2016) in place of the paper's ResNet encoder: a stem and
 //! three stages, each of which halves the map and adds to it what two convolutions make of it. All
@@ -6,14 +6,15 @@
 //!
 //! ```text
 //! photo 64 x 64 x 3 → stem 32 x 32 x c0 → 16 x 16 x c1 → 8 x 8 x c2 → 4 x 4 x c3 → embedding (E)
+//!                                                       8 x 8 x c2 → sketch (320)
 //! stage:  x = cut(down(map)),  b = second(cut(first(x))),  map = cut(x + b)
 //! ```
 //!
 //! With the default sizes this takes 4.7 million multiplications. Two buffers suffice: a stage reads
 //! its map from one and leaves the next in the other.
 
-use super::image::{INPUT, Image, SIDE, Window};
-use super::model::{Model, StageLayers};
+use super::image::{COVER, DETAIL, INPUT, Image, SIDE, SKETCH, Window};
+use super::model::{CELL, Model, StageLayers};
 use crate::kernels::{add_residual, convolve, fully_connected};
 
 const LARGE: usize = 32 * 32 * 16;
@@ -23,12 +24,23 @@ const LARGE: usize = 32 * 32 * 16;
 pub struct Scratch {
     large: [i8; LARGE], // (32, 32, 16) or smaller maps
     small: [i8; INPUT], // (64, 64, 3) or smaller maps
+    sketch: [i8; SKETCH],
+}
+
+/// What the network makes of a photo.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Impression<'s> {
+    /// The shares of the picture's 16 x 16 cells that the object covers, then how much its colours
+    /// change in 8 x 8, rows from the top; 127 for 1. Shape (320), empty without an encoder.
+    pub sketch: &'s [i8],
+    /// Shape (E).
+    pub embedding: &'s [i8],
 }
 
 impl Scratch {
     /// Zeros, which cost no flash in a `static`.
     pub const fn new() -> Self {
-        Self { large: [0; LARGE], small: [0; INPUT] }
+        Self { large: [0; LARGE], small: [0; INPUT], sketch: [0; SKETCH] }
     }
 }
 
@@ -39,29 +51,41 @@ impl Default for Scratch {
 }
 
 impl Model<'_> {
-    /// The embedding of what a window of a picture shows, shape (E); nothing without an encoder.
+    /// What a window of a picture shows; nothing without an encoder.
     pub fn encode<'s>(
         &self,
         image: &Image<'_>,
         window: &Window,
         scratch: &'s mut Scratch,
-    ) -> &'s [i8] {
-        let Scratch { large, small } = scratch;
-        let Some(encoder) = &self.encoder else { return &[] };
+    ) -> Impression<'s> {
+        let Scratch { large, small, sketch } = scratch;
+        let Some(encoder) = &self.encoder else { return Impression::default() };
         image.resize(window, small);
 
-        let [c0, ..] = self.dimensions().channels;
+        let [c0, _, c2, _] = self.dimensions().channels;
         let map = large.get_mut(..SIDE / 2 * (SIDE / 2) * c0).unwrap_or_default();
         convolve(&encoder.stem, 2, SIDE, 0, small, map);
 
         let [first, second, third] = &encoder.stages;
         run(first, 32, encoder.stem.zero, large, small);
         run(second, 16, first.sum.zero, small, large);
+        for (place, pixel) in large.chunks_exact(c2.max(1)).take(DETAIL * DETAIL).enumerate() {
+            let mut cell = [0; CELL];
+            fully_connected(&encoder.sketch, pixel, &mut cell);
+            let cover = 2 * (place / DETAIL) * COVER + 2 * (place % DETAIL);
+            let places =
+                [cover, cover + 1, cover + COVER, cover + COVER + 1, COVER * COVER + place];
+            for (place, value) in places.into_iter().zip(cell) {
+                if let Some(number) = sketch.get_mut(place) {
+                    *number = value;
+                }
+            }
+        }
         run(third, 8, second.sum.zero, large, small);
 
         let embedding = large.get_mut(..self.dimensions().embedding).unwrap_or_default();
         fully_connected(&encoder.embed, small, embedding);
-        embedding
+        Impression { sketch, embedding }
     }
 }
 

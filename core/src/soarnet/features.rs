@@ -66,6 +66,11 @@ impl Direction {
         Some(Self { x: fixed(x), y: fixed(y), z: fixed(z) })
     }
 
+    /// The same in floating point, of unit length but for the rounding of its coordinates.
+    pub(super) fn vector(self) -> Vec3 {
+        Vec3::new(self.x as f32, self.y as f32, self.z as f32) * (1.0 / ONE as f32)
+    }
+
     /// The cosine of the angle to another direction, in units of 2^-14.
     fn dot(self, other: Self) -> i32 {
         (self.x * other.x + self.y * other.y + self.z * other.z + ONE / 2) >> 14
@@ -129,6 +134,11 @@ impl Stance {
             up: Direction::try_from_vector(pose.up())?,
             back: Direction::try_from_vector(-pose.forward())?,
         })
+    }
+
+    /// The camera's right, in the world.
+    pub(super) fn right(&self) -> Vec3 {
+        self.right.vector()
     }
 
     /// The same view of a world turned by `quarters` times 90 degrees about +Z, then, if

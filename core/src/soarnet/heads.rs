@@ -8,9 +8,12 @@
 //!
 //! ```text
 //! token(k, z)      = cut(W2 · cut(W1 · [embedding_k | direction_k | relation(k, z)]))     (H)
-//! candidate head   : [mean_k token | max_k token | direction_z | count] → rank scores (4)
+//! candidate head   : [mean_k token | max_k token | outlook_z | direction_z | count] → rank scores (4)
 //! state head       : [mean over z of the pooled tokens | count] → scores, mean gain, spread (12)
 //! ```
+//!
+//! The outlook tells what the candidate would see of the visual hull: see `outlook`. A network without
+//! images knows none.
 //!
 //! The rank scores say which candidate is better and the state's head how much gain there is at all;
 //! the paper's head H tells the score after the next view instead, whose differences are small beside
@@ -18,6 +21,7 @@
 
 use super::features::{COUNT, DIRECTION, Direction, Stance, count};
 use super::model::{Model, RANKS, STATE, WIDEST};
+use super::outlook::OUTLOOK;
 use crate::kernels::{accumulate, fully_connected, fully_connected_wide, mean, requantize};
 
 /// The part of a token's first layer that a view brings, the same for every candidate.
@@ -79,22 +83,27 @@ impl Model<'_> {
 
     /// A candidate's rank scores, units of 2^-16, from its pooled state; adds the state to `context`.
     ///
-    /// Shapes: `sums` and `maxima` (H). `views` is at least 1.
+    /// Shapes: `sums` and `maxima` (H); `outlook` standardised. `views` is at least 1.
     pub(super) fn candidate_head(
         &self,
         views: usize,
         direction: Direction,
         sums: &[i16],
         maxima: &[i8],
+        outlook: &[i32; OUTLOOK],
         context: &mut Context,
     ) -> [i32; RANKS] {
         let width = self.dimensions().width;
-        let mut input = [0; 2 * WIDEST + DIRECTION + COUNT]; // [mean | max | direction | count]
+        // [mean | max | outlook | direction | count]
+        let mut input = [0; 2 * WIDEST + OUTLOOK + DIRECTION + COUNT];
         let (means, rest) = input.split_at_mut(width.min(WIDEST));
         for (mean_of, sum) in means.iter_mut().zip(sums) {
             *mean_of = mean(i32::from(*sum), views as i32);
         }
-        let features = maxima.iter().copied().chain(direction.features()).chain(count(views));
+        let known = if self.encoder.is_some() { OUTLOOK } else { 0 };
+        let outlook = outlook.iter().map(|&number| number as i8).take(known); // at most 127
+        let features = maxima.iter().copied().chain(outlook);
+        let features = features.chain(direction.features()).chain(count(views));
         for (place, value) in rest.iter_mut().zip(features) {
             *place = value;
         }

@@ -21,6 +21,15 @@ pub const SIDE: usize = 64;
 /// Bytes of what the network sees, shape (64, 64, 3).
 pub const INPUT: usize = SIDE * SIDE * 3;
 
+/// Cells on each side in which the network tells how much of them the object covers.
+pub const COVER: usize = 16;
+
+/// Cells on each side in which it tells how much the object's colours change.
+pub const DETAIL: usize = 8;
+
+/// Numbers of a sketch: covers, shape (16, 16), then details, shape (8, 8), each of 127.
+pub const SKETCH: usize = COVER * COVER + DETAIL * DETAIL;
+
 /// The longest side of a window, pixels.
 pub const LONGEST_WINDOW: u32 = 1 << 15;
 

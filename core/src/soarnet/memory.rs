@@ -2,6 +2,8 @@
 
 use super::encoder::Scratch;
 use super::features::{Direction, Stance};
+use super::image::SKETCH;
+use super::outlook::{Form, OUTLOOK};
 
 /// What is kept, to read. `H` and `E` are the model's; lists may be longer than what is in use.
 #[derive(Clone, Copy, Debug)]
@@ -10,10 +12,14 @@ pub struct Lists<'a> {
     pub sums: &'a [i16],
     /// Maxima of the same, shape (candidates, H).
     pub maxima: &'a [i8],
+    /// Outlooks, shape (candidates, 8).
+    pub outlooks: &'a [[i32; OUTLOOK]],
     /// Rank scores, shape (candidates, 4).
     pub ranks: &'a [[i32; 4]],
     /// Embeddings of the photos, shape (views, E).
     pub embeddings: &'a [i8],
+    /// Sketches of the photos, shape (views, 320).
+    pub sketches: &'a [[i8; SKETCH]],
     /// Where the photos were taken, shape (views).
     pub stances: &'a [Stance],
 }
@@ -27,12 +33,18 @@ pub struct ListsMut<'a> {
     pub sums: &'a mut [i16],
     /// Maxima of the same, shape (candidates, H).
     pub maxima: &'a mut [i8],
+    /// Outlooks, shape (candidates, 8).
+    pub outlooks: &'a mut [[i32; OUTLOOK]],
     /// Rank scores, shape (candidates, 4).
     pub ranks: &'a mut [[i32; 4]],
     /// Embeddings of the photos, shape (views, E).
     pub embeddings: &'a mut [i8],
+    /// Sketches of the photos, shape (views, 320).
+    pub sketches: &'a mut [[i8; SKETCH]],
     /// Where the photos were taken, shape (views).
     pub stances: &'a mut [Stance],
+    /// The visual hull.
+    pub form: &'a mut Form,
     /// Where photos are encoded.
     pub scratch: &'a mut Scratch,
 }
@@ -72,9 +84,12 @@ pub struct Fixed<
     directions: [Direction; CANDIDATES],
     sums: [[i16; WIDTH]; CANDIDATES],
     maxima: [[i8; WIDTH]; CANDIDATES],
+    outlooks: [[i32; OUTLOOK]; CANDIDATES],
     ranks: [[i32; 4]; CANDIDATES],
     embeddings: [[i8; EMBEDDING]; VIEWS],
+    sketches: [[i8; SKETCH]; VIEWS],
     stances: [Stance; VIEWS],
+    form: Form,
     scratch: Scratch,
 }
 
@@ -87,9 +102,12 @@ impl<const CANDIDATES: usize, const VIEWS: usize, const WIDTH: usize, const EMBE
             directions: [Direction::NONE; CANDIDATES],
             sums: [[0; WIDTH]; CANDIDATES],
             maxima: [[0; WIDTH]; CANDIDATES],
+            outlooks: [[0; OUTLOOK]; CANDIDATES],
             ranks: [[0; 4]; CANDIDATES],
             embeddings: [[0; EMBEDDING]; VIEWS],
+            sketches: [[0; SKETCH]; VIEWS],
             stances: [Stance::NONE; VIEWS],
+            form: Form::new(),
             scratch: Scratch::new(),
         }
     }
@@ -110,8 +128,10 @@ impl<const CANDIDATES: usize, const VIEWS: usize, const WIDTH: usize, const EMBE
         Lists {
             sums: self.sums.as_flattened(),
             maxima: self.maxima.as_flattened(),
+            outlooks: &self.outlooks,
             ranks: &self.ranks,
             embeddings: self.embeddings.as_flattened(),
+            sketches: &self.sketches,
             stances: &self.stances,
         }
     }
@@ -121,9 +141,12 @@ impl<const CANDIDATES: usize, const VIEWS: usize, const WIDTH: usize, const EMBE
             directions: &mut self.directions,
             sums: self.sums.as_flattened_mut(),
             maxima: self.maxima.as_flattened_mut(),
+            outlooks: &mut self.outlooks,
             ranks: &mut self.ranks,
             embeddings: self.embeddings.as_flattened_mut(),
+            sketches: &mut self.sketches,
             stances: &mut self.stances,
+            form: &mut self.form,
             scratch: &mut self.scratch,
         }
     }

@@ -11,6 +11,7 @@
 //! image, features   what the network is told: a window of a photo; poses and counts
 //! model             the file of a network, read in place
 //! encoder, heads    the layers
+//! hull, outlook     what outlines tell: the object's hull, and what a candidate would see of it
 //! SoarNet           the scorer for a session; its memory is the caller's
 //! ```
 //!
@@ -56,16 +57,21 @@
 mod encoder;
 pub mod features;
 mod heads;
+mod hull;
 mod image;
 mod memory;
 mod model;
+mod outlook;
 mod scorer;
 
-pub use encoder::Scratch;
-pub use image::{INPUT, Image, ImageError, LONGEST_WINDOW, Pixels, SIDE, Window};
+pub use encoder::{Impression, Scratch};
+pub use image::{
+    COVER, DETAIL, INPUT, Image, ImageError, LONGEST_WINDOW, Pixels, SIDE, SKETCH, Window,
+};
 pub use memory::{Fixed, Lists, ListsMut, Memory};
 pub use model::{
     Dimensions, EncoderParts, Fault, Layer, Model, ModelError, Network, RANKS, STATE, Stage,
     VERSION, WIDEST, WriteError,
 };
+pub use outlook::{Form, OUTLOOK};
 pub use scorer::{Photo, PhotoError, SetupError, SoarNet};

@@ -7,11 +7,12 @@
 use core::fmt;
 
 use super::features::{COUNT, DIRECTION, RELATION};
+use super::outlook::OUTLOOK;
 use crate::checksum::CRC;
 use crate::kernels::{Addition, LARGEST_ADDITION, Linear, padded};
 
 /// The version of model files that is written, and the only one that is read.
-pub const VERSION: u16 = 1;
+pub const VERSION: u16 = 2;
 
 const MAGIC: [u8; 4] = *b"SOAR";
 const HEADER: usize = 28;
@@ -74,6 +75,9 @@ impl Shape {
     }
 }
 
+/// Numbers that a sketch tells of a cell of 8 x 8 pixels.
+pub(super) const CELL: usize = 5;
+
 /// Bytes of the sum of two maps in the file.
 const ADDITION: usize = 12;
 
@@ -104,6 +108,12 @@ impl Dimensions {
         ]
     }
 
+    /// Of each cell of the second stage's map: four covers, then the detail.
+    fn sketch(&self) -> Shape {
+        let [_, _, middle, _] = self.channels;
+        Shape::new("sketch", CELL, middle, Output::Signed)
+    }
+
     fn embed(&self) -> Shape {
         let [.., last] = self.channels;
         Shape::new("embed", self.embedding, 16 * last, Output::Signed)
@@ -118,7 +128,8 @@ impl Dimensions {
     }
 
     fn candidate(&self) -> [Shape; 2] {
-        let columns = 2 * self.width + DIRECTION + COUNT;
+        let outlook = if self.embedding > 0 { OUTLOOK } else { 0 };
+        let columns = 2 * self.width + outlook + DIRECTION + COUNT;
         [
             Shape::new("candidate hidden", self.head, columns, Output::Cut),
             Shape::new("candidate output", RANKS, self.head, Output::Wide),
@@ -139,7 +150,8 @@ impl Dimensions {
         let heads: usize = heads.as_flattened().iter().map(Shape::length).sum();
         let stages = self.stages();
         let stages: usize = stages.as_flattened().iter().map(Shape::length).sum();
-        let encoder = self.stem().length() + stages + 3 * ADDITION + self.embed().length();
+        let ends = self.stem().length() + self.sketch().length() + self.embed().length();
+        let encoder = stages + 3 * ADDITION + ends;
         HEADER + heads + if self.embedding > 0 { encoder } else { 0 } + CHECKSUM
     }
 
@@ -284,6 +296,7 @@ pub(super) struct StageLayers<'a> {
 pub(super) struct EncoderLayers<'a> {
     pub stem: Linear<'a>,
     pub stages: [StageLayers<'a>; 3],
+    pub sketch: Linear<'a>,
     pub embed: Linear<'a>,
 }
 
@@ -359,8 +372,9 @@ impl<'a> Model<'a> {
             let stem = reader.linear(&dimensions.stem())?;
             let [first, second, third] = dimensions.stages();
             let stages = [reader.stage(&first)?, reader.stage(&second)?, reader.stage(&third)?];
+            let sketch = reader.linear(&dimensions.sketch())?;
             let embed = reader.linear(&dimensions.embed())?;
-            encoder = Some(EncoderLayers { stem, stages, embed });
+            encoder = Some(EncoderLayers { stem, stages, sketch, embed });
         }
         Ok(Self {
             dimensions,
@@ -500,6 +514,10 @@ pub struct EncoderParts<'a> {
     pub stem: Layer<'a>,
     /// From 32 x 32 to 16 x 16, 8 x 8, 4 x 4.
     pub stages: [Stage<'a>; 3],
+    /// (5) from (c2), of each cell of stage 2's map: the shares of its four quarters that the object
+    /// covers (upper left, upper right, lower left, lower right), then how much its colours change;
+    /// zero point 0, 127 for 1.
+    pub sketch: Layer<'a>,
     /// (E) from (4, 4, c3) = (row, column, channel).
     pub embed: Layer<'a>,
 }
@@ -514,8 +532,8 @@ pub struct Network<'a> {
     /// (H) from [embedding (E) | view's direction (16) | relation to the candidate (16)], then (H)
     /// from (H); negative values of both cut off.
     pub token: [Layer<'a>; 2],
-    /// (K) from [mean (H) | maximum (H) | candidate's direction (16) | count (4)], negative values cut
-    /// off, then the output (4) from (K): rank scores of C, Q, D, T.
+    /// (K) from [mean (H) | maximum (H) | outlook (8), only with an encoder | candidate's direction (16)
+    /// | count (4)], negative values cut off, then the output (4) from (K): rank scores of C, Q, D, T.
     pub candidate: [Layer<'a>; 2],
     /// (G) from [mean of means (H) | mean of maxima (H) | count (4)], negative values cut off, then the
     /// output (12) from (G): score, mean gain, spread of gains, each of C, Q, D, T.
@@ -605,6 +623,7 @@ impl Network<'_> {
                     writer.put(&stage.multiplier.to_le_bytes())?;
                     writer.put(&stage.second_multiplier.to_le_bytes())?;
                 }
+                writer.layer(&dimensions.sketch(), &encoder.sketch)?;
                 writer.layer(&dimensions.embed(), &encoder.embed)?;
             }
             None if dimensions.embedding == 0 => {}

@@ -6,9 +6,10 @@ use glam::Vec3;
 
 use super::features::{Direction, Stance};
 use super::heads::Context;
-use super::image::{Image, ImageError, Window};
+use super::image::{Image, ImageError, SKETCH, Window};
 use super::memory::{ListsMut, Memory};
 use super::model::{Model, RANKS, STATE};
+use super::outlook::OUTLOOK;
 use crate::objectives::{Objective, Scores};
 #[cfg(feature = "serde")]
 use crate::planner::Persist;
@@ -108,8 +109,8 @@ impl core::error::Error for PhotoError {}
 
 /// Scores views by what a [`Model`] predicts from the photos so far and where they were taken.
 ///
-/// A photo is encoded once, when it is taken in; every candidate's pooled state then takes in one
-/// token. [`gain`](Scorer::gain) only looks up, and knows candidates by their index: the pose it is
+/// A photo is encoded once, when it is taken in; the visual hull then takes in its outline, and every
+/// candidate's pooled state one token. [`gain`](Scorer::gain) only looks up, and knows candidates by their index: the pose it is
 /// given is not looked at. Before the first photo all gains and scores are 0.
 #[derive(Debug)]
 pub struct SoarNet<'m, M> {
@@ -130,8 +131,8 @@ impl<'m, M: Memory> SoarNet<'m, M> {
         candidates: impl IntoIterator<Item = Pose>,
     ) -> Result<Self, SetupError> {
         let width = model.dimensions().width.max(1);
-        let ListsMut { directions, sums, maxima, ranks, .. } = memory.lists_mut();
-        let capacity = directions.len().min(ranks.len());
+        let ListsMut { directions, sums, maxima, outlooks, ranks, .. } = memory.lists_mut();
+        let capacity = directions.len().min(ranks.len()).min(outlooks.len());
         let capacity = capacity.min(sums.len() / width).min(maxima.len() / width);
         let mut count = 0;
         for (index, pose) in candidates.into_iter().enumerate() {
@@ -151,10 +152,12 @@ impl<'m, M: Memory> SoarNet<'m, M> {
 
     /// As before the first photo.
     fn forget(&mut self) {
-        let ListsMut { sums, maxima, ranks, .. } = self.memory.lists_mut();
+        let ListsMut { sums, maxima, outlooks, ranks, form, .. } = self.memory.lists_mut();
         sums.fill(0);
         maxima.fill(i8::MIN);
+        outlooks.fill([0; OUTLOOK]);
         ranks.fill([0; RANKS]);
+        form.begin();
         self.views = 0;
         self.state = [0; STATE];
     }
@@ -162,8 +165,11 @@ impl<'m, M: Memory> SoarNet<'m, M> {
     /// How many views there is room for.
     pub fn view_capacity(&self) -> usize {
         let lists = self.memory.lists();
-        let embeddings = lists.embeddings.len().checked_div(self.model.dimensions().embedding);
-        lists.stances.len().min(embeddings.unwrap_or(MOST_VIEWS)).min(MOST_VIEWS)
+        let most = match lists.embeddings.len().checked_div(self.model.dimensions().embedding) {
+            Some(embeddings) => embeddings.min(lists.sketches.len()),
+            None => MOST_VIEWS,
+        };
+        lists.stances.len().min(most).min(MOST_VIEWS)
     }
 
     /// The network.
@@ -175,6 +181,18 @@ impl<'m, M: Memory> SoarNet<'m, M> {
     pub fn embedding(&self, view: usize) -> Option<&[i8]> {
         row(self.memory.lists().embeddings, view, self.model.dimensions().embedding)
             .filter(|_| view < self.views)
+    }
+
+    /// The sketch of a view, shape (320); `None` where there is none.
+    pub fn sketch(&self, view: usize) -> Option<&[i8; SKETCH]> {
+        let sees = self.model.dimensions().embedding > 0;
+        self.memory.lists().sketches.get(view).filter(|_| sees && view < self.views)
+    }
+
+    /// A candidate's outlook as the network is told it, shape (8); `None` where there is none.
+    pub fn outlook(&self, candidate: usize) -> Option<[i32; OUTLOOK]> {
+        let outlooks = self.memory.lists().outlooks;
+        outlooks.get(candidate).copied().filter(|_| candidate < self.candidates)
     }
 
     /// A candidate's sums and maxima of tokens, both shape (H); `None` where there is none.
@@ -197,23 +215,45 @@ impl<'m, M: Memory> SoarNet<'m, M> {
         &self.state
     }
 
-    /// Lets every candidate know of the last view in memory and scores all of them.
+    /// Lets the hull and every candidate know of the last view in memory.
     fn take_in_last(&mut self) {
         let model = &self.model;
         let (width, size) = (model.dimensions().width.max(1), model.dimensions().embedding);
-        let ListsMut { directions, sums, maxima, ranks, embeddings, stances, .. } =
+        let ListsMut { directions, sums, maxima, embeddings, sketches, stances, form, .. } =
             self.memory.lists_mut();
-        let Some(stance) = self.views.checked_sub(1).and_then(|view| stances.get(view)) else {
-            return;
-        };
-        let embedding = row(embeddings, self.views - 1, size).unwrap_or_default();
+        let Some(last) = self.views.checked_sub(1) else { return };
+        let Some(stance) = stances.get(last) else { return };
+        let embedding = row(embeddings, last, size).unwrap_or_default();
+        if let (Some(sketch), 1..) = (sketches.get(last), size) {
+            form.take_in(stance, sketch);
+        }
         let view = model.view_sums(embedding, stance);
         let pooled = sums.chunks_exact_mut(width).zip(maxima.chunks_exact_mut(width));
-        let candidates = directions.iter().zip(pooled).zip(ranks).take(self.candidates);
-        let mut context = Context::default();
-        for ((&direction, (sums, maxima)), ranks) in candidates {
+        for (&direction, (sums, maxima)) in directions.iter().zip(pooled).take(self.candidates) {
             model.pool(&view, stance, direction, sums, maxima);
-            *ranks = model.candidate_head(self.views, direction, sums, maxima, &mut context);
+        }
+    }
+
+    /// Scores all candidates from what they know.
+    fn score(&mut self) {
+        if self.views == 0 {
+            return;
+        }
+        let model = &self.model;
+        let width = model.dimensions().width.max(1);
+        let ListsMut { directions, sums, maxima, outlooks, ranks, sketches, stances, form, .. } =
+            self.memory.lists_mut();
+        let outlooks = outlooks.get_mut(..self.candidates).unwrap_or_default();
+        if model.encoder.is_some() {
+            let seen = stances.iter().zip(sketches.iter().map(<[i8; SKETCH]>::as_slice));
+            form.outlooks(seen.take(self.views), directions, outlooks);
+        }
+        let pooled = sums.chunks_exact(width).zip(maxima.chunks_exact(width));
+        let candidates = directions.iter().zip(pooled).zip(outlooks).zip(ranks);
+        let mut context = Context::default();
+        for (((&direction, (sums, maxima)), outlook), ranks) in candidates {
+            *ranks =
+                model.candidate_head(self.views, direction, sums, maxima, outlook, &mut context);
         }
         self.state = model.state_head(self.views, &context);
     }
@@ -241,16 +281,18 @@ impl<M: Memory> Scorer for SoarNet<'_, M> {
         }
         let stance = Stance::try_new(pose, self.centre).ok_or(PhotoError::NoDirection)?;
         let size = self.model.dimensions().embedding;
-        let ListsMut { embeddings, stances, scratch, .. } = self.memory.lists_mut();
+        let ListsMut { embeddings, sketches, stances, scratch, .. } = self.memory.lists_mut();
         if size > 0 {
             let image = photo.image.ok_or(PhotoError::NoImage)?;
             let window = match photo.window {
                 Some(window) => window,
                 None => image.middle().map_err(PhotoError::Image)?,
             };
-            let embedding = self.model.encode(&image, &window, scratch);
-            let places = embeddings.chunks_exact_mut(size).skip(self.views).take(1).flatten();
-            for (place, value) in places.zip(embedding) {
+            let seen = self.model.encode(&image, &window, scratch);
+            let embedding = embeddings.chunks_exact_mut(size).skip(self.views).take(1).flatten();
+            let sketch = sketches.get_mut(self.views).into_iter().flatten();
+            let values = seen.embedding.iter().chain(seen.sketch);
+            for (place, value) in embedding.chain(sketch).zip(values) {
                 *place = *value;
             }
         }
@@ -259,6 +301,7 @@ impl<M: Memory> Scorer for SoarNet<'_, M> {
         }
         self.views += 1;
         self.take_in_last();
+        self.score();
         Ok(())
     }
 
@@ -287,13 +330,14 @@ impl<M: Memory> Persist for SoarNet<'_, M> {
         self.model.checksum()
     }
 
-    /// The number of views, then the stance and the embedding of each: pooled states follow from them.
+    /// The number of views, then the stance, the embedding and the sketch of each: all else follows.
     fn save(&self, sink: &mut Sink<'_>) -> Result<(), SnapshotError> {
         let stances = self.memory.lists().stances;
         sink.put(&self.views)?;
         for (view, stance) in stances.iter().enumerate().take(self.views) {
             sink.put(stance)?;
-            for value in self.embedding(view).unwrap_or_default() {
+            let sketch = self.sketch(view).into_iter().flatten();
+            for value in self.embedding(view).unwrap_or_default().iter().chain(sketch) {
                 sink.put(value)?;
             }
         }
@@ -308,17 +352,20 @@ impl<M: Memory> Persist for SoarNet<'_, M> {
         }
         let size = self.model.dimensions().embedding;
         for view in 0..views {
-            let ListsMut { embeddings, stances, .. } = self.memory.lists_mut();
+            let ListsMut { embeddings, sketches, stances, .. } = self.memory.lists_mut();
             let stance: Stance = source.take()?;
             if let Some(place) = stances.get_mut(view) {
                 *place = stance;
             }
-            for place in embeddings.iter_mut().skip(view * size).take(size) {
+            let embedding = embeddings.iter_mut().skip(view * size).take(size);
+            let sketch = sketches.get_mut(view).filter(|_| size > 0).into_iter().flatten();
+            for place in embedding.chain(sketch) {
                 *place = source.take()?;
             }
             self.views = view + 1;
             self.take_in_last();
         }
+        self.score();
         Ok(())
     }
 }

@@ -40,7 +40,7 @@ impl OwnLayer {
 #[derive(Clone, Debug)]
 pub struct OwnNetwork {
     pub dimensions: Dimensions,
-    pub encoder: Vec<OwnLayer>, // stem; down, first, second of three stages; embed
+    pub encoder: Vec<OwnLayer>, // stem; down, first, second of three stages; embed; sketch
     pub heads: Vec<OwnLayer>,   // token, candidate, state: two each
 }
 
@@ -65,11 +65,13 @@ impl OwnNetwork {
                 encoder.push(layer(to, 9 * to, 5, byte));
             }
             encoder.push(layer(e, 16 * c3, -3, byte));
+            encoder.push(layer(5, c2, 0, byte));
         }
+        let outlook = if e > 0 { 8 } else { 0 };
         let heads = vec![
             layer(h, e + 32, -128, byte),
             layer(h, h, -120, byte),
-            layer(k, 2 * h + 20, -128, byte),
+            layer(k, 2 * h + outlook + 20, -128, byte),
             layer(4, k, 0, wide),
             layer(g, 2 * h + 4, -128, byte),
             layer(12, g, 0, wide),
@@ -88,7 +90,12 @@ impl OwnNetwork {
                 second_multiplier: SUM.1,
                 zero: SUM.2,
             };
-            EncoderParts { stem: at(0), stages: [stage(1), stage(4), stage(7)], embed: at(10) }
+            EncoderParts {
+                stem: at(0),
+                stages: [stage(1), stage(4), stage(7)],
+                embed: at(10),
+                sketch: at(11),
+            }
         });
         let head = |index: usize| [self.heads[index].layer(), self.heads[index + 1].layer()];
         Network {
