@@ -53,7 +53,7 @@ fn main() -> Result<()> {
     let mut states = BTreeMap::new();
     for (file, shape) in [
         ("network.onnx", Shape::default()),
-        ("poses.onnx", Shape { embedding: 0, ..Shape::default() }),
+        ("poses.onnx", Shape::default().without_photos()),
     ] {
         let net = network(&shape, &device, &mut chance)?;
         onnx::export(&net, &out.join(file))?;

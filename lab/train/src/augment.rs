@@ -4,15 +4,12 @@
 
 use rand::{Rng, RngExt};
 
+use vantage_core::soarnet::{COVER, DETAIL, SKETCH};
+
 use crate::net::SIDE;
 
 /// Values of a photo as the network takes it: (3, 64, 64).
 pub const PHOTO: usize = 3 * SIDE * SIDE;
-
-/// Values of what a photo shows: its object's cover in 16 x 16 cells, its detail in 8 x 8.
-pub const SKETCH: usize = COVER * COVER + DETAIL * DETAIL;
-const COVER: usize = 16;
-const DETAIL: usize = 8;
 
 /// Behind the object.
 #[derive(Clone, Debug)]
@@ -89,9 +86,10 @@ impl Look {
     /// A photo, sRGB with straight alpha, shape (64, 64, 4), as this look shows it: shape
     /// (3, 64, 64), each value (pixel - 128) / 128, in steps of a whole pixel value.
     ///
-    /// `sketch`, of [`SKETCH`] zeros or empty, becomes what an encoder should at least tell of it:
-    /// the share of each cell that the object covers, and how much its colours change there.
+    /// `sketch`, of [`SKETCH`] zeros or empty, becomes what the network should see in it: the share of
+    /// each cell that the object covers, and how much its colours change there.
     pub fn photo(&self, rgba: &[u8], chance: &mut impl Rng, out: &mut [f32], sketch: &mut [f32]) {
+        debug_assert!(sketch.is_empty() || sketch.len() == SKETCH);
         let mut covers = vec![0f32; SIDE * SIDE];
         let mut picture = vec![[0f32; 3]; SIDE * SIDE];
         let behind = self.behind(chance);
@@ -174,21 +172,25 @@ impl Look {
     }
 }
 
+/// A change of colour from a pixel to its neighbours, summed over channels, that counts as full.
+const FULL_CHANGE: f32 = 0.5;
+
 fn draw_sketch(picture: &[[f32; 3]], covers: &[f32], sketch: &mut [f32]) {
     let cell = |place: usize, cells: usize| {
         let (x, y) = (place % SIDE, place / SIDE);
         y * cells / SIDE * cells + x * cells / SIDE
     };
     let share = |cells: usize| (cells * cells) as f32 / (SIDE * SIDE) as f32;
-    let grey = |pixel: &[f32; 3]| pixel.iter().sum::<f32>();
     let (cover, detail) = sketch.split_at_mut(COVER * COVER);
     for (place, &alpha) in covers.iter().enumerate() {
         cover[cell(place, COVER)] += alpha * share(COVER);
         let inside = place % SIDE + 1 < SIDE && place + SIDE < covers.len();
         if inside && alpha.min(covers[place + 1]).min(covers[place + SIDE]) > 0.9 {
-            let change = |other: usize| (grey(&picture[place]) - grey(&picture[other])).abs();
+            let change = |other: usize| -> f32 {
+                picture[place].iter().zip(picture[other]).map(|(a, b)| (a - b).abs()).sum()
+            };
             let both = change(place + 1) + change(place + SIDE);
-            detail[cell(place, DETAIL)] += both * share(DETAIL);
+            detail[cell(place, DETAIL)] += (both / FULL_CHANGE).min(1.0) * share(DETAIL);
         }
     }
 }

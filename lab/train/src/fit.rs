@@ -23,7 +23,7 @@ use serde::{Deserialize, Serialize};
 use crate::files::write_whole;
 use crate::measure::{Measured, measure};
 use crate::net::{Answer, Network, Shape};
-use crate::samples::{Ask, Batch, Object, Target};
+use crate::samples::{Ask, Batch, MOST_VIEWS, Object, Target};
 
 /// Everything that the trained weights depend on beside the data.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -41,8 +41,7 @@ pub struct Recipe {
     pub halved: bool,
     /// How much the best views count beyond the others: the weight of a listwise cross-entropy.
     pub listwise: f32,
-    /// Weight of what an embedding should at least tell of its photo. Without it the encoder's
-    /// outputs, noise at first, are silenced before they mean anything.
+    /// Weight of the sketches, the seen and the recalled.
     pub sketch: f32,
     /// Whether photos are changed by chance.
     pub augment: bool,
@@ -73,7 +72,7 @@ impl Recipe {
     /// The paper's wording: views averaged, cumulative targets, its rate and epochs.
     pub fn literal() -> Self {
         Self {
-            shape: Shape { relative: false, maximum: false, ..Shape::default() },
+            shape: Shape { relative: false, maximum: false, outlook: false, ..Shape::default() },
             cumulative: true,
             epochs: 12,
             rate: 3e-5,
@@ -360,7 +359,7 @@ pub fn fit_until(
 /// Most captures are short; some are long, so that the counts beyond are known too.
 fn ask(recipe: &Recipe, steps: usize, chance: &mut Pcg64) -> Ask {
     let long = chance.random_bool(0.15);
-    let (views, every) = if long { (26.min(steps), 2) } else { (12.min(steps), 1) };
+    let (views, every) = if long { (MOST_VIEWS.min(steps), 2) } else { (12.min(steps), 1) };
     let counts = (every..=views).step_by(every).collect();
     let photos = recipe.shape.embedding > 0;
     Ask { views, counts, candidates: 64, augment: recipe.augment, photos }
@@ -382,7 +381,8 @@ fn loss(recipe: &Recipe, answer: Answer, target: Target) -> Tensor<1> {
         loss = loss + listwise;
     }
     if let (Some(told), Some(wanted)) = (answer.sketches, target.sketches) {
-        loss = loss + (told - wanted).powi_scalar(2).mean() * recipe.sketch;
+        let off = |told: Tensor<2>| (told - wanted.clone()).powi_scalar(2).mean();
+        loss = loss + (off(told.seen) * 2.0 + off(told.recalled)) * recipe.sketch;
     }
     loss
 }

@@ -155,7 +155,8 @@ fn quantize(args: &QuantizeArgs) -> Result<()> {
     let bar =
         ProgressBar::new_spinner().with_style(ProgressStyle::with_template("{spinner} {msg}")?);
     bar.set_message("reading");
-    let load = |split| samples::load(&dataset, split, Some(args.objects), || bar.tick());
+    let hulls = reference.shape().outlook;
+    let load = |split| samples::load(&dataset, split, Some(args.objects), hulls, || bar.tick());
     let (train, validation) = (load(Split::Train)?, load(Split::Validation)?);
     bar.set_message("calibrating");
     let file = quantize::quantize(&reference, &train, args.seed)?;
@@ -181,7 +182,7 @@ fn card(args: &CardArgs) -> Result<()> {
     let models = lab.join("models");
     let dataset = Dataset::open(&args.data)?;
     let parameters = dataset.manifest().parameters.clone();
-    let validation = samples::load(&dataset, Split::Validation, None, || {})?;
+    let validation = samples::load(&dataset, Split::Validation, None, true, || {})?;
     let figures = |name: &str, run: &Path| -> Result<Figures> {
         let course = Run::existing(run)?.course()?;
         let reference = Reference::open(&models.join(format!("{name}.onnx")))?;
@@ -218,9 +219,8 @@ fn train(args: &TrainArgs) -> Result<()> {
         Preset::Default => Recipe::default(),
         Preset::Literal => Recipe::literal(),
         Preset::Poses => {
-            let mut recipe = Recipe::default();
-            recipe.shape.embedding = 0;
-            recipe
+            let recipe = Recipe::default();
+            Recipe { shape: recipe.shape.without_photos(), ..recipe }
         }
     };
     recipe.epochs = args.epochs.unwrap_or(recipe.epochs);
@@ -234,7 +234,8 @@ fn train(args: &TrainArgs) -> Result<()> {
         Run::open(&args.out, &recipe, &serde_json::to_string(&dataset.manifest().parameters)?)?;
     let bar = ProgressBar::new(dataset.len() as u64)
         .with_style(ProgressStyle::with_template("reading {bar:30} {pos}/{len}")?);
-    let load = |split| samples::load(&dataset, split, None, || bar.inc(1));
+    let hulls = recipe.shape.outlook;
+    let load = |split| samples::load(&dataset, split, None, hulls, || bar.inc(1));
     let (train, validation) = (load(Split::Train)?, load(Split::Validation)?);
     bar.finish_and_clear();
     let device = Device::flex();

@@ -1,19 +1,21 @@
 //! SOARNet in floating point, as it is trained.
 //!
 //! ```text
-//! photo (3, 64, 64) -> encoder -> embedding (E)                                  once per photo
+//! photo (3, 64, 64) -> encoder -> embedding (E), sketch (5, 8, 8)                once per photo
 //! [embedding | direction of the view] -> U ; U + W relation(view, candidate) -> relu
 //!                                     -> relu(linear) = token                    per (view, candidate)
 //! tokens of all views -> mean, maximum                                           per candidate
-//! [mean | maximum | direction of the candidate | count of views] -> H -> 4 ranks per candidate
+//! [mean | maximum | outlook | direction of the candidate | count of views] -> H -> 4 ranks
 //! [mean over candidates of (mean | maximum) | count of views]    -> G -> 12      per state
 //! ```
+//!
+//! From the sketches `core` carves the object's visual hull and tells what each candidate would see of
+//! it: the outlook. That is no part of what is trained; training is given outlooks of true outlines.
 //!
 //! G gives the scores F_n and, times the number of views, mean and spread of the gains over the
 //! candidates, so that a gain in the objective's own units is mean + spread * rank. With cumulative
 //! targets H gives F_n+1 itself.
 
-use crate::augment::SKETCH;
 use burn::module::{Initializer, Module};
 use burn::nn::conv::{Conv2d, Conv2dConfig};
 use burn::nn::{BatchNorm, BatchNormConfig, Linear, LinearConfig, PaddingConfig2d};
@@ -21,6 +23,7 @@ use burn::tensor::activation::relu;
 use burn::tensor::{Device, Tensor};
 use serde::{Deserialize, Serialize};
 use vantage_core::soarnet::features::{COUNT, DIRECTION, RELATION};
+use vantage_core::soarnet::{OUTLOOK, SKETCH};
 
 /// Side of a photo in pixels.
 pub const SIDE: usize = 64;
@@ -28,6 +31,10 @@ pub const SIDE: usize = 64;
 pub const LAST: usize = 4;
 /// Outputs of G: scores, means, spreads.
 pub const STATE: usize = 12;
+/// Numbers of a cell of a sketch: the covers of its quarters, and its detail.
+pub const CELL: usize = 5;
+/// Cells on a side of a sketch.
+pub const CELLS: usize = 8;
 /// C, Q, D, T.
 pub const OBJECTIVES: usize = 4;
 
@@ -48,6 +55,8 @@ pub struct Shape {
     pub relative: bool,
     /// Whether tokens are pooled by their maximum too.
     pub maximum: bool,
+    /// Whether head H is told the candidate's outlook; a network without photos has none.
+    pub outlook: bool,
 }
 
 impl Default for Shape {
@@ -60,7 +69,15 @@ impl Default for Shape {
             state: 64,
             relative: true,
             maximum: true,
+            outlook: true,
         }
+    }
+}
+
+impl Shape {
+    /// The same without photos.
+    pub fn without_photos(self) -> Self {
+        Self { embedding: 0, outlook: false, ..self }
     }
 }
 
@@ -118,15 +135,18 @@ impl Residual {
     }
 }
 
-/// Photo to embedding.
+/// Photo to embedding and sketch.
 #[derive(Module, Debug)]
 pub struct Encoder {
     pub stem: Normalised,
     pub down: Vec<Normalised>,
     pub residual: Vec<Residual>,
     pub embed: Linear,
-    /// Tells what a photo shows from its embedding; for training only.
-    pub sketch: Linear,
+    /// Tells a sketch's cells from the second stage's map.
+    pub sketch: Conv2d,
+    /// Tells the sketch from the embedding; for training only. Without it the embedding, noise at
+    /// first, is silenced before it means anything.
+    pub recall: Linear,
 }
 
 impl Encoder {
@@ -142,17 +162,24 @@ impl Encoder {
                 .map(|&c| Residual { first: layer(c, c, 1), second: layer(c, c, 1) })
                 .collect(),
             embed: LinearConfig::new(shape.channels[3] * LAST * LAST, shape.embedding).init(device),
-            sketch: LinearConfig::new(shape.embedding, SKETCH).init(device),
+            sketch: Conv2dConfig::new([shape.channels[2], CELL], [1, 1]).init(device),
+            recall: LinearConfig::new(shape.embedding, SKETCH).init(device),
         }
     }
 
-    /// Photos, shape (n, 3, 64, 64), each value (pixel - 128) / 128, to embeddings (n, E).
-    pub fn forward(&self, photos: Tensor<4>) -> Tensor<2> {
+    /// Photos, shape (n, 3, 64, 64), each value (pixel - 128) / 128, to embeddings (n, E) and
+    /// sketches (n, 5, 8, 8).
+    pub fn forward(&self, photos: Tensor<4>) -> (Tensor<2>, Tensor<4>) {
         let mut x = relu(self.stem.forward(photos));
+        let mut sketch = None;
         for (down, residual) in self.down.iter().zip(&self.residual) {
             x = residual.forward(relu(down.forward(x)));
+            if x.dims()[2] == CELLS {
+                sketch = Some(self.sketch.forward(x.clone()));
+            }
         }
-        self.embed.forward(x.flatten::<2>(1, 3))
+        let sketch = sketch.expect("the second stage's map has 8 x 8 pixels");
+        (self.embed.forward(x.flatten::<2>(1, 3)), sketch)
     }
 }
 
@@ -168,6 +195,7 @@ pub struct Network {
     pub state_in: Linear,
     pub state_out: Linear,
     maximum: bool,
+    outlook: bool,
 }
 
 /// What the network is asked: of each of B objects, K views in order and Z candidates.
@@ -181,6 +209,8 @@ pub struct Question {
     pub relations: Vec<Tensor<3>>,
     /// (B, Z, 16).
     pub candidates: Tensor<3>,
+    /// For each of the counts, (B, Z, 8); without an outlook they are not looked at.
+    pub outlooks: Vec<Tensor<3>>,
     /// The numbers of views asked about, ascending, each at most K.
     pub counts: Vec<usize>,
 }
@@ -192,8 +222,17 @@ pub struct Answer {
     pub ranks: Tensor<3>,
     /// (P * B, 12).
     pub state: Tensor<2>,
-    /// What each photo shows, told from its embedding, (B * K, 320).
-    pub sketches: Option<Tensor<2>>,
+    /// What each photo shows.
+    pub sketches: Option<Sketches>,
+}
+
+/// What photos show, twice.
+#[derive(Clone, Debug)]
+pub struct Sketches {
+    /// Cell by cell, (B * K, 320) = (.., 5, 8, 8).
+    pub seen: Tensor<2>,
+    /// The same, told from the embedding.
+    pub recalled: Tensor<2>,
 }
 
 impl Network {
@@ -210,6 +249,7 @@ impl Network {
                 .init(device)
         };
         let pooled = shape.token * if shape.maximum { 2 } else { 1 };
+        let outlook = if shape.outlook { OUTLOOK } else { 0 };
         let relation = || {
             LinearConfig::new(RELATION, shape.token)
                 .with_bias(false)
@@ -221,24 +261,27 @@ impl Network {
             view: linear(shape.embedding + DIRECTION, shape.token),
             relation: shape.relative.then(relation),
             token: linear(shape.token, shape.token),
-            head_in: linear(pooled + DIRECTION + COUNT, shape.head),
+            head_in: linear(pooled + outlook + DIRECTION + COUNT, shape.head),
             head_out: last(shape.head, OBJECTIVES),
             state_in: linear(pooled + COUNT, shape.state),
             state_out: last(shape.state, STATE),
             maximum: shape.maximum,
+            outlook: shape.outlook,
         }
     }
 
     /// Answers for every count of views.
     pub fn forward(&self, question: Question) -> Answer {
-        let Question { photos, views, relations, candidates, counts } = question;
+        let Question { photos, views, relations, candidates, outlooks, counts } = question;
+        let mut outlooks = outlooks.into_iter();
         let [objects, number, _] = views.dims();
         let device = views.device();
         let mut sketches = None;
         let seen = match &self.encoder {
             Some(encoder) => {
-                let embeddings = encoder.forward(photos);
-                sketches = Some(encoder.sketch.forward(embeddings.clone()));
+                let (embeddings, cells) = encoder.forward(photos);
+                let recalled = encoder.recall.forward(embeddings.clone());
+                sketches = Some(Sketches { seen: cells.flatten::<2>(1, 3), recalled });
                 let width = embeddings.dims()[1];
                 Tensor::cat(vec![embeddings.reshape([objects, number, width]), views], 2)
             }
@@ -276,7 +319,10 @@ impl Network {
             };
             let count = crate::samples::count(taken, &device);
             let of_each = count.clone().reshape([1, 1, COUNT]).repeat(&[objects, others, 1]);
-            ranks.push(Tensor::cat(vec![pooled.clone(), candidates.clone(), of_each], 2));
+            let mut parts = vec![pooled.clone()];
+            parts.extend(outlooks.next().filter(|_| self.outlook));
+            parts.extend([candidates.clone(), of_each]);
+            ranks.push(Tensor::cat(parts, 2));
             let context = pooled.mean_dim(1).squeeze_dim::<2>(1);
             let of_state = count.reshape([1, COUNT]).repeat_dim(0, objects);
             states.push(Tensor::cat(vec![context, of_state], 1));

@@ -7,9 +7,10 @@
 //! | `relations` | (K, Z, 16) | features of each view and candidate |
 //! | `candidates` | (Z, 16) | features of each candidate's direction |
 //! | `count` | (1, 4) | features of K |
+//! | `outlooks` | (Z, 8) | of each candidate, number · 4 / 127; absent in a network without photos |
 //!
-//! Outputs: `ranks` (Z, 4) and `state` (1, 12), as [`net`](crate::net) has them. K views, Z
-//! candidates. Opset 17.
+//! Outputs: `ranks` (Z, 4) and `state` (1, 12), as [`net`](crate::net) has them, and with photos
+//! `sketch` (K, 5, 8, 8), from which `core` makes the outlooks. K views, Z candidates. Opset 17.
 
 use std::path::Path;
 
@@ -24,10 +25,11 @@ use tract_onnx::pb::{
     tensor_shape_proto::{Dimension, dimension::Value},
     type_proto,
 };
+use vantage_core::soarnet::OUTLOOK;
 use vantage_core::soarnet::features::{COUNT, DIRECTION, RELATION};
 
 use crate::files::write_whole;
-use crate::net::{Encoder, Network, Normalised, OBJECTIVES, SIDE, STATE};
+use crate::net::{CELL, CELLS, Encoder, Network, Normalised, OBJECTIVES, SIDE, STATE};
 
 /// The ONNX operator set that is used.
 const OPSET: i64 = 17;
@@ -55,11 +57,15 @@ pub fn model(net: &Network) -> ModelProto {
     ];
     if net.encoder.is_some() {
         input.insert(0, value("photos", &[Err("views"), Ok(3), Ok(SIDE), Ok(SIDE)]));
+        input.push(value("outlooks", &[Err("candidates"), Ok(OUTLOOK)]));
     }
-    let output = vec![
+    let mut output = vec![
         value("ranks", &[Err("candidates"), Ok(OBJECTIVES)]),
         value("state", &[Ok(1), Ok(STATE)]),
     ];
+    if net.encoder.is_some() {
+        output.push(value("sketch", &[Err("views"), Ok(CELL), Ok(CELLS), Ok(CELLS)]));
+    }
     ModelProto {
         ir_version: IR_VERSION,
         opset_import: vec![OperatorSetIdProto { domain: String::new(), version: OPSET }],
@@ -223,6 +229,10 @@ impl Graph {
             last = format!("stage{}", stage + 1);
             self.relu(&of("sum"), &last);
         }
+        self.floats("sketch.weight", encoder.sketch.weight.val());
+        self.floats("sketch.bias", encoder.sketch.bias.as_ref().expect("it has a bias").val());
+        let inputs = ["stage2", "sketch.weight", "sketch.bias"];
+        self.node("Conv", &inputs, "sketch", vec![integers("kernel_shape", &[1, 1])]);
         self.node("Flatten", &[&last], "map", vec![integer("axis", 1)]);
         self.linear(&encoder.embed, "embed", "map", "embedding");
     }
@@ -250,8 +260,11 @@ impl Graph {
         self.node("ReduceMean", &["token"], "mean", over_views());
         self.node("ReduceMax", &["token"], "maximum", over_views());
 
-        let parts = ["mean", "maximum", "candidates"];
-        self.node("Concat", &parts, "head.in", vec![integer("axis", 1)]);
+        let parts: &[&str] = match &net.encoder {
+            Some(_) => &["mean", "maximum", "outlooks", "candidates"],
+            None => &["mean", "maximum", "candidates"],
+        };
+        self.node("Concat", parts, "head.in", vec![integer("axis", 1)]);
         self.linear_and_count(&net.head_in, "head_in", "head.in", "head.sum");
         self.relu("head.sum", "head");
         self.linear(&net.head_out, "head_out", "head", "ranks");

@@ -18,14 +18,14 @@ use vantage_core::Vec3;
 use vantage_core::planner::Scorer;
 use vantage_core::soarnet::features::{COUNT, DIRECTION, RELATION};
 use vantage_core::soarnet::{
-    self, Dimensions, EncoderParts, Image, Layer, Model, Photo, Pixels, SoarNet, Stage,
+    self, Dimensions, EncoderParts, Form, Image, Layer, Model, OUTLOOK, Photo, Pixels, SoarNet, Stage,
 };
 use vantage_lab::statistics::spearman;
 
 use crate::files::write_whole;
 use crate::net::{OBJECTIVES, SIDE, Shape};
 use crate::reference::{Reference, Weights};
-use crate::samples::{Ask, Batch, Object};
+use crate::samples::{self, Ask, Batch, Object, State};
 
 /// Numbers of views at which tensors are looked at.
 const COUNTS: [usize; 5] = [1, 3, 6, 12, 24];
@@ -43,8 +43,10 @@ pub struct Scale {
 
 /// Photos, `byte / 128`.
 const PIXELS: Scale = Scale { scale: 1.0 / 128.0, zero: 0 };
-/// Features of poses and counts.
+/// Features of poses and counts, and shares of a sketch.
 const FEATURES: Scale = Scale { scale: 1.0 / 127.0, zero: 0 };
+/// Numbers of an outlook.
+const OUTLOOKS: Scale = Scale { scale: 4.0 / 127.0, zero: 0 };
 
 impl Scale {
     /// The scale of least squared error; where `cut`, of values that are never negative.
@@ -219,7 +221,7 @@ pub fn quantize(reference: &Reference, objects: &[Object], seed: u64) -> Result<
 
     let mut stem = Whole::default();
     let mut stages: Vec<WholeStage> = Vec::new();
-    let mut embed = Whole::default();
+    let [mut sketch, mut embed] = [Whole::default(), Whole::default()];
     if shape.embedding > 0 {
         let convolution = |name: &str, input: &[Scale], output: &[Scale]| {
             let (weight, bias) = (format!("{name}.weight"), format!("{name}.bias"));
@@ -240,6 +242,13 @@ pub fn quantize(reference: &Reference, objects: &[Object], seed: u64) -> Result<
             let ratios = [down, second].map(|part| part[0].scale / added.scale);
             stages.push(WholeStage { layers, ratios, zero: added.zero as i8 });
             last = sum;
+            if stage == 2 {
+                let weight = &weights("sketch.weight")?.values;
+                let inputs = vec![last[0]; shape.channels[2]];
+                let of = |row: usize, column: usize| weight[row * inputs.len() + column];
+                let output = Output::Bytes(&[FEATURES]);
+                sketch = Whole::new(of, &weights("sketch.bias")?.values, &inputs, output)?;
+            }
         }
         // ONNX flattens (channel, row, column); the model's maps are (row, column, channel).
         let weight = weights("embed.weight")?;
@@ -274,8 +283,9 @@ pub fn quantize(reference: &Reference, objects: &[Object], seed: u64) -> Result<
             Output::Bytes(token),
         )?,
     ];
-    let head = |name: &str, features: usize, hidden: &[Scale]| -> Result<[Whole; 2]> {
+    let head = |name: &str, outlook: usize, features: usize, hidden: &[Scale]| -> Result<[Whole; 2]> {
         let mut inputs = [token, token].concat();
+        inputs.extend(vec![OUTLOOKS; outlook]);
         inputs.extend(vec![FEATURES; features]);
         let of = |part: &str| format!("{name}_{part}");
         let [weight, count] = [of("in.weight"), of("in.count_weight")];
@@ -294,8 +304,9 @@ pub fn quantize(reference: &Reference, objects: &[Object], seed: u64) -> Result<
             )?,
         ])
     };
-    let candidate = head("head", DIRECTION + COUNT, scale("head"))?;
-    let state = head("state", COUNT, scale("state.hidden"))?;
+    let outlook = if shape.outlook { OUTLOOK } else { 0 };
+    let candidate = head("head", outlook, DIRECTION + COUNT, scale("head"))?;
+    let state = head("state", 0, COUNT, scale("state.hidden"))?;
 
     let network = soarnet::Network {
         dimensions: Dimensions {
@@ -308,6 +319,7 @@ pub fn quantize(reference: &Reference, objects: &[Object], seed: u64) -> Result<
         encoder: (shape.embedding > 0).then(|| EncoderParts {
             stem: stem.layer(),
             stages: [0, 1, 2].map(|stage: usize| stages[stage].parts()),
+            sketch: sketch.layer(),
             embed: embed.layer(),
         }),
         token: tokens.each_ref().map(Whole::layer),
@@ -433,6 +445,43 @@ pub struct Agreement {
     pub steps: usize,
 }
 
+/// The sketches of a capture's photos, as the float reference draws them.
+struct Drawn {
+    sketches: Vec<[i8; soarnet::SKETCH]>,
+}
+
+impl Drawn {
+    fn new(reference: &Reference, state: &State) -> Result<Self> {
+        if reference.shape().embedding == 0 {
+            return Ok(Self { sketches: Vec::new() });
+        }
+        let (views, others) =
+            (state.views.len() / DIRECTION, state.candidates.len() / DIRECTION);
+        let cells = reference.runner(views, others, &["sketch"])?.run(state)?.remove(0);
+        let sketches = cells.chunks_exact(soarnet::SKETCH).map(samples::sketch_of).collect();
+        Ok(Self { sketches })
+    }
+
+    /// Of an object's candidates after its first `views`, (Z, 8); empty without photos.
+    fn outlooks(&self, object: &Object, views: &[usize]) -> Vec<f32> {
+        if self.sketches.is_empty() {
+            return Vec::new();
+        }
+        let stances = views.iter().map(|&view| object.stance(view));
+        let seen = || stances.clone().zip(self.sketches.iter().map(|sketch| sketch.as_slice()));
+        let mut form = Box::<Form>::default();
+        form.begin();
+        for (stance, sketch) in seen() {
+            form.take_in(stance, sketch);
+        }
+        let candidates: Vec<_> =
+            (0..object.poses().len()).map(|view| object.stance(view).direction).collect();
+        let mut outlooks = vec![[0; OUTLOOK]; candidates.len()];
+        form.outlooks(seen(), &candidates, &mut outlooks);
+        outlooks.as_flattened().iter().map(|&number| samples::outlook(number as i8)).collect()
+    }
+}
+
 /// Compares a model file with its reference on the captures of some objects, photos unchanged.
 pub fn agreement(
     reference: &Reference,
@@ -457,6 +506,7 @@ pub fn agreement(
             photos,
         };
         let batch = Batch::draw(&[object], Some(1), &ask, &mut Pcg64::seed_from_u64(0));
+        let drawn = Drawn::new(reference, &batch.state(0, *counts.end()))?;
         let mut memory = Box::new(soarnet::Fixed::<1000, 64>::new());
         let poses = object.poses().iter().copied();
         let mut scorer = SoarNet::try_new(model, &mut *memory, Vec3::ZERO, poses)?;
@@ -474,7 +524,9 @@ pub fn agreement(
                 Entry::Occupied(there) => there.into_mut(),
                 Entry::Vacant(none) => none.insert(reference.runner(count, others, &["ranks"])?),
             };
-            let float = runner.run(&batch.state(0, count))?.remove(0);
+            let outlooks = drawn.outlooks(object, &views[..count]);
+            let state = State { outlooks, ..batch.state(0, count) };
+            let float = runner.run(&state)?.remove(0);
             let free: Vec<usize> =
                 (0..others).filter(|other| !views[..count].contains(other)).collect();
             for objective in 0..OBJECTIVES {

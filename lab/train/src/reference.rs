@@ -6,9 +6,10 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, anyhow, ensure};
 use tract_onnx::pb::ModelProto;
 use tract_onnx::prelude::*;
+use vantage_core::soarnet::OUTLOOK;
 use vantage_core::soarnet::features::{COUNT, DIRECTION, RELATION};
 
-use crate::net::{LAST, OBJECTIVES, SIDE, STATE, Shape};
+use crate::net::{CELL, LAST, OBJECTIVES, SIDE, STATE, Shape};
 use crate::samples::State;
 
 /// A named array.
@@ -93,6 +94,7 @@ impl Reference {
             ];
             if photos {
                 facts.insert(0, tvec![views, 3, SIDE, SIDE]);
+                facts.push(tvec![candidates, OUTLOOK]);
             }
             for (place, shape) in facts.into_iter().enumerate() {
                 model.set_input_fact(place, f32::fact(&shape).into())?;
@@ -123,6 +125,7 @@ impl Runner {
             ];
             if self.photos {
                 inputs.insert(0, tensor(&[views, 3, SIDE, SIDE], &state.photos)?);
+                inputs.push(tensor(&[candidates, OUTLOOK], &state.outlooks)?);
             }
             let outputs = self.plan.run(inputs)?;
             outputs
@@ -155,6 +158,7 @@ fn shape_of(weights: &HashMap<String, Weights>) -> Option<Shape> {
         state: dim("state_in.weight", 1)?,
         relative: true,
         maximum: true,
+        outlook: embedding > 0,
     };
     let fits = |(name, dims): &(String, Vec<usize>)| {
         weights.get(name).is_some_and(|weights| weights.dims == *dims)
@@ -181,13 +185,16 @@ fn arrays(shape: &Shape) -> Vec<(String, Vec<usize>)> {
         }
         add("embed.weight", &[channels[3].saturating_mul(LAST * LAST), embedding]);
         add("embed.bias", &[embedding]);
+        add("sketch.weight", &[CELL, channels[2], 1, 1]);
+        add("sketch.bias", &[CELL]);
     }
     let pooled = token.saturating_mul(2);
+    let outlook = if embedding > 0 { OUTLOOK } else { 0 };
     for (name, dims) in [
         ("view.weight", [embedding.saturating_add(DIRECTION), token]),
         ("relation.weight", [RELATION, token]),
         ("token.weight", [token, token]),
-        ("head_in.weight", [pooled.saturating_add(DIRECTION), head]),
+        ("head_in.weight", [pooled.saturating_add(outlook + DIRECTION), head]),
         ("head_in.count_weight", [COUNT, head]),
         ("head_out.weight", [head, OBJECTIVES]),
         ("state_in.weight", [pooled, state]),

@@ -7,11 +7,12 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
 use vantage_core::soarnet::features::{self, COUNT, DIRECTION, Direction, RELATION, Stance};
+use vantage_core::soarnet::{COVER, Form, OUTLOOK, SKETCH};
 use vantage_core::{Pose, Scores, Vec3};
 use vantage_lab::dataset::{Dataset, ObjectData, Split};
 
-use crate::augment::{Look, PHOTO, SKETCH};
-use crate::net::{OBJECTIVES, Question, SIDE, STATE};
+use crate::augment::{Look, PHOTO};
+use crate::net::{CELLS, OBJECTIVES, Question, SIDE, STATE};
 
 /// One object, as far as training needs it.
 pub struct Object {
@@ -26,16 +27,19 @@ struct Walk {
     views: Vec<u16>,
     scores: Vec<[f32; OBJECTIVES]>,     // (steps, 4)
     gains: Vec<Vec<[f32; OBJECTIVES]>>, // (steps, views, 4)
+    outlooks: Vec<Vec<[i8; OUTLOOK]>>,  // (steps, views, 8), from true outlines
 }
 
 /// Views of a walk that training needs: a first look, and some states after it.
 pub const FEWEST_STEPS: usize = 6;
 
-/// The objects of a split, at most so many, in parallel; `done` is called after each.
+/// The objects of a split, at most so many, in parallel; `done` is called after each. `hulls`: whether
+/// outlooks are wanted, which take most of the time.
 pub fn load(
     dataset: &Dataset,
     split: Split,
     most: Option<usize>,
+    hulls: bool,
     done: impl Fn() + Sync,
 ) -> Result<Vec<Object>> {
     anyhow::ensure!(
@@ -57,7 +61,7 @@ pub fn load(
          {FEWEST_STEPS} or more"
     );
     let objects = indices.into_par_iter().map(|index| {
-        let object = Object::new(dataset.load(index)?)?;
+        let object = Object::new(dataset.load(index)?, hulls)?;
         done();
         Ok(object)
     });
@@ -65,29 +69,88 @@ pub fn load(
 }
 
 impl Object {
-    fn new(data: ObjectData) -> Result<Self> {
+    fn new(data: ObjectData, hulls: bool) -> Result<Self> {
         let stances = data.train.poses.iter().map(|pose| Stance::try_new(pose, Vec3::ZERO));
         let stances: Option<Vec<Stance>> = stances.collect();
         let walks = data.trajectories.into_iter().map(|walk| Walk {
             scores: walk.states.iter().map(|state| in_order(&state.scores)).collect(),
             gains: walk.states.into_iter().map(|state| state.gains).collect(),
             views: walk.views,
+            outlooks: Vec::new(),
         });
-        Ok(Self {
+        let mut object = Self {
             class: data.class,
             photos: data.train.photos,
             poses: data.train.poses,
             stances: stances
                 .with_context(|| format!("{}: a view stands on its object", data.name))?,
             walks: walks.collect(),
-        })
+        };
+        if hulls {
+            object.look();
+        }
+        Ok(object)
     }
+
+    /// Fills in every walk's outlooks. Every other pair of walks has outlines with errors, as a network
+    /// draws them.
+    fn look(&mut self) {
+        let sketches: Vec<[i8; SKETCH]> =
+            (0..self.stances.len()).map(|view| self.sketch(view)).collect();
+        let directions: Vec<Direction> = self.stances.iter().map(|s| s.direction).collect();
+        let mut form = Box::<Form>::default();
+        let mut chance = Pcg64::seed_from_u64(self.walks.len() as u64);
+        for number in 0..self.walks.len() {
+            let mut sketches = sketches.clone();
+            if number % 4 >= 2 {
+                for value in sketches.as_flattened_mut() {
+                    *value = (*value as i16 + chance.random_range(-18..=18)).clamp(-128, 127) as i8;
+                }
+            }
+            let walk = &mut self.walks[number];
+            form.begin();
+            for (step, &view) in walk.views.iter().enumerate() {
+                let view = usize::from(view);
+                form.take_in(&self.stances[view], &sketches[view]);
+                let mut outlooks = vec![[0; OUTLOOK]; directions.len()];
+                if is_asked(step + 1) {
+                    let seen = walk.views[..=step].iter().map(|&view| usize::from(view));
+                    let seen = seen.map(|view| (&self.stances[view], sketches[view].as_slice()));
+                    form.outlooks(seen, &directions, &mut outlooks);
+                }
+                let bytes = |outlook: [i32; OUTLOOK]| outlook.map(|number| number as i8);
+                walk.outlooks.push(outlooks.into_iter().map(bytes).collect());
+            }
+        }
+    }
+
+    /// What a view's photo shows, as a network that makes no mistakes would draw it.
+    fn sketch(&self, view: usize) -> [i8; SKETCH] {
+        let size = SIDE * SIDE * 4;
+        let rgba = &self.photos[view * size..(view + 1) * size];
+        let (mut values, mut sketch) = (vec![0.0; PHOTO], [0.0; SKETCH]);
+        Look::plain().photo(rgba, &mut Pcg64::seed_from_u64(0), &mut values, &mut sketch);
+        sketch.map(|share| (share * 127.0).round() as i8)
+    }
+}
+
+/// The most views of a capture in training.
+pub const MOST_VIEWS: usize = 26;
+
+/// Whether training, measuring or calibration asks about so many views.
+fn is_asked(views: usize) -> bool {
+    views <= 12 || (views.is_multiple_of(2) && views <= MOST_VIEWS)
 }
 
 impl Object {
     /// The candidates.
     pub fn poses(&self) -> &[Pose] {
         &self.poses
+    }
+
+    /// How a view was taken.
+    pub fn stance(&self, view: usize) -> &Stance {
+        &self.stances[view]
     }
 
     /// The views of the shortest walk.
@@ -133,6 +196,7 @@ pub struct Batch {
     views: Vec<f32>,
     relations: Vec<Vec<f32>>,
     candidates: Vec<f32>,
+    outlooks: Vec<Vec<f32>>,
     pub counts: Vec<usize>,
     pub objects: usize,
     pub others: usize,
@@ -151,6 +215,8 @@ pub struct State {
     pub relations: Vec<f32>,
     /// (Z, 16).
     pub candidates: Vec<f32>,
+    /// (Z, 8), or empty.
+    pub outlooks: Vec<f32>,
     /// (4).
     pub count: Vec<f32>,
 }
@@ -187,6 +253,7 @@ impl Batch {
             views: Vec::with_capacity(number * ask.views * DIRECTION),
             relations: vec![Vec::with_capacity(number * others * RELATION); ask.views],
             candidates: Vec::with_capacity(number * others * DIRECTION),
+            outlooks: vec![Vec::with_capacity(number * others * OUTLOOK); ask.counts.len()],
             counts: ask.counts.clone(),
             objects: number,
             others,
@@ -243,7 +310,13 @@ impl Batch {
                 look.photo(rgba, chance, photo, sketch);
             }
         }
+        // Now and then nothing is known of the hull, as where no outline could be made out.
+        let blind = ask.augment && chance.random_bool(0.1);
         for (row, &count) in ask.counts.iter().enumerate() {
+            if let Some(outlooks) = walk.outlooks.get(count - 1) {
+                let of = |view: &usize| outlooks[*view].map(|n| if blind { 0.0 } else { outlook(n) });
+                self.outlooks[row].extend(candidates.iter().flat_map(of));
+            }
             let state = row * self.objects + place;
             let at = state * OBJECTIVES;
             self.truth.scores[at..at + OBJECTIVES].copy_from_slice(&walk.scores[count - 1]);
@@ -275,6 +348,12 @@ impl Batch {
             views: of(&self.views, [objects, views, DIRECTION]),
             relations: relations.map(|values| of(values, [objects, others, RELATION])).collect(),
             candidates: of(&self.candidates, [objects, others, DIRECTION]),
+            outlooks: self
+                .outlooks
+                .iter()
+                .filter(|values| !values.is_empty())
+                .map(|values| of(values, [objects, others, OUTLOOK]))
+                .collect(),
             counts: self.counts.clone(),
         }
     }
@@ -294,6 +373,12 @@ impl Batch {
                 .flat_map(|values| part(values, RELATION, object * others, others))
                 .collect(),
             candidates: part(&self.candidates, DIRECTION, object * others, others),
+            outlooks: self
+                .counts
+                .iter()
+                .position(|&asked| asked == count)
+                .map(|row| part(&self.outlooks[row], OUTLOOK, object * others, others))
+                .unwrap_or_default(),
             count: features::count(count).map(value).to_vec(),
         }
     }
@@ -310,7 +395,7 @@ pub struct Target {
     pub ranks: Tensor<3>,
     /// (P * B, 12): scores, and the number of views times mean and spread of the gains.
     pub state: Tensor<2>,
-    /// What each photo shows, (B * K, 320); `None` without photos.
+    /// What each photo shows, (B * K, 320) = (.., 5, 8, 8); `None` without photos.
     pub sketches: Option<Tensor<2>>,
 }
 
@@ -353,10 +438,45 @@ impl Batch {
             state: Tensor::from_data(TensorData::new(state, [states, STATE]), device),
             sketches: (!self.sketches.is_empty()).then(|| {
                 let shape = [self.sketches.len() / SKETCH, SKETCH];
-                Tensor::from_data(TensorData::new(self.sketches.clone(), shape), device)
+                let cells: Vec<f32> = self.sketches.chunks_exact(SKETCH).flat_map(by_cell).collect();
+                Tensor::from_data(TensorData::new(cells, shape), device)
             }),
         }
     }
+}
+
+/// A sketch, (16, 16) and (8, 8), as the network's map of cells: (5, 8, 8), the covers of a cell's
+/// quarters before its detail.
+fn by_cell(sketch: &[f32]) -> impl Iterator<Item = f32> + '_ {
+    let (cover, detail) = sketch.split_at(COVER * COVER);
+    let quarter = move |channel: usize, cell: usize| {
+        let (y, x) = (2 * (cell / CELLS) + channel / 2, 2 * (cell % CELLS) + channel % 2);
+        cover[y * COVER + x]
+    };
+    let cells = 0..CELLS * CELLS;
+    let covers = (0..4).flat_map(move |channel| cells.clone().map(move |c| quarter(channel, c)));
+    covers.chain(detail.iter().copied())
+}
+
+/// A sketch as `core` has it, from a map of cells (5, 8, 8).
+pub fn sketch_of(cells: &[f32]) -> [i8; SKETCH] {
+    let mut sketch = [0; SKETCH];
+    for (place, &share) in cells.iter().enumerate().take(SKETCH) {
+        let (channel, cell) = (place / (CELLS * CELLS), place % (CELLS * CELLS));
+        let at = if channel < 4 {
+            let (y, x) = (2 * (cell / CELLS) + channel / 2, 2 * (cell % CELLS) + channel % 2);
+            y * COVER + x
+        } else {
+            COVER * COVER + cell
+        };
+        sketch[at] = (share * 127.0).round().clamp(-128.0, 127.0) as i8;
+    }
+    sketch
+}
+
+/// What an outlook's number stands for: spreads from the mean.
+pub fn outlook(number: i8) -> f32 {
+    f32::from(number) * (4.0 / 127.0)
 }
 
 /// The features of a number of views, shape (4).
