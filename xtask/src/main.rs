@@ -4,6 +4,7 @@ mod cli;
 mod command;
 mod core_rules;
 mod firmware;
+mod models;
 mod readers;
 mod same_plan;
 mod serve;
@@ -35,6 +36,9 @@ Developer tasks of Vantage. Usage: cargo xtask <task>
   firmware                         build the Cortex-M firmware and run it in QEMU
   wasm                             build the WebAssembly package into web/src/wasm
   serve [PORT]                     build the page and serve it on 127.0.0.1 (default port 8080)
+  models [--real DIR]              train the shipped networks again from nothing, under three hours on
+                                   two cores; with a folder of GLB files, measure them and write
+                                   lab/MODEL_CARD.md
   help                             this text
 
 Environment: CARGO_TARGET_DIR is respected; VANTAGE_SETUP=off makes every task use only what is
@@ -61,7 +65,7 @@ fn run(arguments: &[String]) -> Result<ExitCode> {
         print!("{HELP}");
         return Ok(ExitCode::SUCCESS);
     }
-    if !rest.is_empty() && !matches!(task, "test" | "serve") {
+    if !rest.is_empty() && !matches!(task, "test" | "serve" | "models") {
         bail!("`{task}` takes no arguments, but got `{}`; see `cargo xtask help`", rest.join(" "));
     }
     let workspace = Workspace::find()?;
@@ -88,6 +92,7 @@ fn run(arguments: &[String]) -> Result<ExitCode> {
             require(&workspace, &[Need::Wasm32, Need::Npm])?;
             serve::serve(&web::build(&workspace)?, port)?;
         }
+        "models" => models::make(&workspace, models::real(rest)?)?,
         other => bail!("there is no task `{other}`; see `cargo xtask help`"),
     }
     Ok(ExitCode::SUCCESS)

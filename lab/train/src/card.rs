@@ -8,11 +8,12 @@ use clap::Parser;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use vantage_core::soarnet::features::{COUNT, DIRECTION, RELATION};
-use vantage_core::soarnet::{Dimensions, Model, RANKS, STATE};
+use vantage_core::soarnet::{Dimensions, Model, OUTLOOK, RANKS, STATE};
 use vantage_lab::commands::compare::{CompareArgs, compare};
 use vantage_lab::dataset::Parameters;
 
 use crate::fit::Course;
+use crate::net::CELL;
 use crate::quantize::Agreement;
 
 /// The budgets that are measured.
@@ -82,10 +83,12 @@ fn macs(sizes: &Dimensions) -> (usize, usize) {
         + stage(16, c0, c1)
         + stage(8, c1, c2)
         + stage(4, c2, c3)
+        + 64 * CELL * c2
         + 16 * c3 * sizes.embedding;
     let view = (sizes.embedding + DIRECTION) * sizes.width;
     let token = RELATION * sizes.width + sizes.width * sizes.width;
-    let head = (2 * sizes.width + DIRECTION + COUNT + RANKS) * sizes.head;
+    let outlook = if sizes.embedding > 0 { OUTLOOK } else { 0 };
+    let head = (2 * sizes.width + outlook + DIRECTION + COUNT + RANKS) * sizes.head;
     let state = (2 * sizes.width + COUNT + STATE) * sizes.context;
     (encoder, view + 100 * (token + head) + state)
 }
@@ -176,11 +179,7 @@ impl Card {
              network of poses), on two processor cores that other work kept busy at times. From \
              nothing:\n\n\
              ```sh\n\
-             cargo vantage dataset --objects {} --seed {} --resolution {} --trajectories {} --out data\n\
-             cargo vantage train --data data --out run\n\
-             cargo vantage train --data data --out run-poses --preset poses\n\
-             cargo vantage export run --out lab/models/soarnet.onnx\n\
-             cargo vantage quantize lab/models/soarnet.onnx --data data --out lab/models/soarnet.model\n\
+             cargo xtask models --real DIR   # DIR: a folder of real objects as GLB files\n\
              ```\n\n\
              On the validation objects, rank correlation of predicted with exact gains, C / Q / D / \
              T: {}; without photos {}",
@@ -188,10 +187,6 @@ impl Card {
             data.seed,
             data.resolution,
             data.resolution,
-            data.objects,
-            data.seed,
-            data.resolution,
-            data.trajectories,
             of_course(&soarnet.course),
             of_course(&poses.course),
         );
