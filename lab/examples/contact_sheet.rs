@@ -1,4 +1,5 @@
-//! A PNG with four views of each object named: files, or built-in objects as `name` or `name:seed`.
+//! A PNG with four views of each object named: files, or built-in objects and those of classes as
+//! `name` or `name:seed`.
 //!
 //! `cargo run --release -p vantage-lab --example contact_sheet -- sheet.png shelf chair:3 fox.glb`
 
@@ -35,7 +36,7 @@ fn main() -> Result<()> {
 
 fn object(name: &str) -> Result<Mesh> {
     let (stem, seed) = name.split_once(':').unwrap_or((name, "0"));
-    if let Some(mesh) = seed.parse().ok().and_then(|seed| mesh::builtin(stem, seed)) {
+    if let Some(mesh) = seed.parse().ok().and_then(|seed| mesh::builtin(stem, seed).or_else(|| mesh::class(stem, seed))) {
         return Ok(mesh);
     }
     let loaded = mesh::load(name)?;

@@ -30,7 +30,7 @@ const HALF_TAN: f32 = 0.36;
 
 /// The cover, of 127, below which a place of a photo shows no object. Between 0.1 and 0.3 of it the
 /// ranks of gains on a hull changed by less than 0.01.
-const EMPTY: i32 = 32;
+const EMPTY: i32 = 20;
 
 /// Empty, half and whole are one bit a voxel; see the [module](self).
 #[derive(Clone, Debug)]

@@ -18,8 +18,8 @@ pub(super) const MANIFEST: &str = "manifest.json";
 /// organic.
 pub const HELD_OUT_CLASSES: [&str; 2] = ["fan", "lion"];
 
-/// Of 24 objects in a row, one is of each class and these are of none.
-const FREEFORM_SHARE: usize = 4;
+/// Of 28 objects in a row, one is of each class and these are of none.
+const FREEFORM_SHARE: usize = 8;
 
 /// What an object may be used for. Objects, not views, are divided.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]

@@ -12,7 +12,7 @@ use burn::module::Module;
 use burn::nn::loss::{HuberLossConfig, Reduction};
 use burn::optim::{AdamConfig, GradientsParams, ModuleOptimizer};
 use burn::store::ModuleRecord;
-use burn::tensor::activation::{log_softmax, softmax};
+use burn::tensor::activation::{log_softmax, relu, softmax};
 use burn::tensor::{Device, Tensor};
 use indicatif::{ProgressBar, ProgressStyle};
 use rand::seq::SliceRandom;
@@ -55,11 +55,11 @@ impl Default for Recipe {
         Self {
             shape: Shape::default(),
             cumulative: false,
-            epochs: 60,
+            epochs: 40,
             batch: 8,
             rate: 1.5e-3,
             halved: false,
-            listwise: 0.1,
+            listwise: 0.2,
             sketch: 2.0,
             augment: true,
             patience: 20,
@@ -371,9 +371,11 @@ fn loss(recipe: &Recipe, answer: Answer, target: Target) -> Tensor<1> {
         // The distribution over views that prefers better ones, e^2 times for each spread.
         let wanted = softmax(target.ranks.clone() * 2.0, 1);
         let given = log_softmax(answer.ranks.clone() * 2.0, 1);
-        (wanted * given).sum_dim(1).mean().neg() * recipe.listwise
+        ((wanted * given).sum_dim(1) * target.stakes.clone()).mean().neg() * recipe.listwise
     });
-    let ranks = huber.forward(answer.ranks, target.ranks, Reduction::Mean);
+    // States and objectives in which there is more to win count more.
+    let ranks = huber.forward(answer.ranks, target.ranks, Reduction::None) * target.stakes.clone();
+    let ranks = ranks.mean();
     // Scores and gains are small numbers; a tenth is much.
     let state = huber.forward(answer.state * 10.0, target.state * 10.0, Reduction::Mean) * 0.1;
     let mut loss = ranks + state;
@@ -381,7 +383,11 @@ fn loss(recipe: &Recipe, answer: Answer, target: Target) -> Tensor<1> {
         loss = loss + listwise;
     }
     if let (Some(told), Some(wanted)) = (answer.sketches, target.sketches) {
-        let off = |told: Tensor<2>| (told - wanted.clone()).powi_scalar(2).mean();
+        // Too little cover carves the object away; too much only leaves some space standing.
+        let off = |told: Tensor<2>| {
+            let off = told - wanted.clone();
+            (off.clone().powi_scalar(2) + relu(-off).powi_scalar(2) * 2.0).mean()
+        };
         loss = loss + (off(told.seen) * 2.0 + off(told.recalled)) * recipe.sketch;
     }
     loss

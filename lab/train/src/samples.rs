@@ -393,6 +393,9 @@ impl Batch {
 pub struct Target {
     /// (P * B, Z, 4).
     pub ranks: Tensor<3>,
+    /// How much a state's order counts in an objective, 1 in the mean: the root of the gains' spread,
+    /// cut off at 3. (P * B, 1, 4).
+    pub stakes: Tensor<3>,
     /// (P * B, 12): scores, and the number of views times mean and spread of the gains.
     pub state: Tensor<2>,
     /// What each photo shows, (B * K, 320) = (.., 5, 8, 8); `None` without photos.
@@ -409,6 +412,7 @@ impl Batch {
         let (others, states) = (self.others, self.counts.len() * self.objects);
         let mut ranks = self.truth.gains.clone();
         let mut state = vec![0f32; states * STATE];
+        let mut stakes = vec![0f32; states * OBJECTIVES];
         for (index, number) in self.numbers().enumerate() {
             for objective in 0..OBJECTIVES {
                 let score = self.truth.scores[index * OBJECTIVES + objective];
@@ -430,10 +434,18 @@ impl Batch {
                 row[objective] = score;
                 row[OBJECTIVES + objective] = (mean * number as f64) as f32;
                 row[2 * OBJECTIVES + objective] = (spread * number as f64) as f32;
+                stakes[index * OBJECTIVES + objective] =
+                    if cumulative { 1.0 } else { spread.sqrt() as f32 };
             }
+        }
+        for objective in 0..OBJECTIVES {
+            let mut of = || stakes.iter_mut().skip(objective).step_by(OBJECTIVES);
+            let mean = of().map(|stake| *stake).sum::<f32>() / states as f32;
+            of().for_each(|stake| *stake = (*stake / mean.max(1e-6)).min(3.0));
         }
         let shape = [states, others, OBJECTIVES];
         Target {
+            stakes: Tensor::from_data(TensorData::new(stakes, [states, 1, OBJECTIVES]), device),
             ranks: Tensor::from_data(TensorData::new(ranks, shape), device),
             state: Tensor::from_data(TensorData::new(state, [states, STATE]), device),
             sketches: (!self.sketches.is_empty()).then(|| {

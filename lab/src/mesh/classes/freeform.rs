@@ -8,10 +8,10 @@ use super::maker::Maker;
 use super::parts::{ball, cushion, extruded, hoop, limb, oval, pipe, rod, sheet, towards};
 use crate::mesh::Mesh;
 use crate::mesh::kit::{fractal, noise, step};
-use crate::mesh::shapes::{Joined, TURN, patch, turned};
+use crate::mesh::shapes::{Joined, TURN, block, patch, turned};
 
 pub(super) fn freeform(m: &mut Maker) {
-    match m.chance.below(9) {
+    match m.chance.below(12) {
         0 => pile(m),
         1 => melted(m),
         2 => tangle(m),
@@ -20,6 +20,8 @@ pub(super) fn freeform(m: &mut Maker) {
         5 => dish(m),
         6 => sheets(m),
         7 => scatter(m),
+        8 | 9 => cabinet(m),
+        10 => service(m),
         _ => knot(m),
     }
 }
@@ -255,11 +257,8 @@ fn lattice(m: &mut Maker) {
     }
 }
 
-/// Bowls, tubes and boxes that one can look into.
-fn dish(m: &mut Maker) {
-    let (outside, inside) = (m.covered(), m.covered());
-    let (wide, tall, wall) = (m.between(0.5, 1.0), m.between(0.3, 1.6), m.between(0.03, 0.12));
-    let (belly, n) = (m.between(0.3, 1.3), m.cells(40));
+/// The profiles of a bowl or a tube, outside and inside.
+fn vessel(wide: f32, tall: f32, wall: f32, belly: f32) -> [[(f32, f32); 5]; 2] {
     let outer = [
         (0.0, 0.0),
         (0.5 * wide, 0.0),
@@ -274,6 +273,85 @@ fn dish(m: &mut Maker) {
         (0.9 * wide - wall, 0.8 * tall),
         (wide, tall),
     ];
+    [outer, inner]
+}
+
+/// A box with a side or two open, boards across it and things between them.
+fn cabinet(m: &mut Maker) {
+    let (walls, boards) = (m.covered(), m.covered());
+    let (size, wall) = (lengths(m, 0.5, 1.2), m.between(0.02, 0.06));
+    let plank = |size: Vec3| block(size, 0.12, 0.7);
+    let open = [m.chance.below(6), m.chance.below(9)];
+    for side in (0..6u32).filter(|side| !open.contains(side)) {
+        let (axis, sign) = ((side / 2) as usize, 1.0 - 2.0 * (side % 2) as f32);
+        // A hair smaller from axis to axis, so that no faces coincide.
+        let mut panel = size * (1.0 - 0.004 * axis as f32);
+        panel[axis] = wall;
+        let mut at = Vec3::ZERO;
+        at[axis] = sign * 0.5 * size[axis];
+        m.add(walls, plank(panel).moved(at));
+    }
+    for _ in 0..m.chance.below(5) {
+        let axis = m.chance.below(3) as usize;
+        let mut board = size * Vec3::new(m.between(0.4, 0.98), m.between(0.4, 0.98), 0.96);
+        board[axis] = wall * 0.7;
+        let mut at =
+            (size - board) * 0.5 * Vec3::new(m.pick(&[-1.0, 1.0]), m.pick(&[-1.0, 1.0]), 0.0);
+        at[axis] = size[axis] * m.between(-0.35, 0.35);
+        m.add(boards, plank(board).moved(at));
+    }
+    for _ in 0..m.chance.below(6) {
+        let at = size
+            * 0.5
+            * Vec3::new(m.between(-0.7, 0.7), m.between(-0.7, 0.7), m.between(-0.7, 0.7));
+        let (cover, turn) = (m.covered(), turn(m));
+        let thing = primitive(m).stretched(Vec3::splat(size.min_element() * m.between(0.2, 0.5)));
+        m.add(cover, thing.placed(turn, at));
+    }
+    if m.maybe(0.4) {
+        // A lid or a drawer, ajar.
+        let (cover, axis) = (m.covered(), m.chance.below(3) as usize);
+        let mut panel = size * 0.9;
+        panel[axis] = wall;
+        let mut at = Vec3::ZERO;
+        at[axis] = size[axis] * m.pick(&[-1.0, 1.0]) * m.between(0.55, 0.9);
+        let tilt = Quat::from_rotation_x(m.between(-0.5, 0.5));
+        m.add(cover, plank(panel).placed(tilt, at));
+    }
+}
+
+/// Vessels and small things beside each other, on a board or on nothing.
+fn service(m: &mut Maker) {
+    let covers = [m.covered(), m.covered(), m.any_plain()];
+    let count = 2 + m.chance.below(5);
+    if m.maybe(0.5) {
+        let half = Vec2::new(1.0, m.between(0.6, 1.0));
+        let board = extruded(oval(half, m.between(0.0, 1.0)), 0.05, 0.02, 36, 6);
+        m.add(covers[2], board);
+    }
+    for i in 0..count {
+        let angle = TURN * (i as f32 + m.between(0.0, 0.5)) / count as f32;
+        let at = Vec3::new(cos(angle), sin(angle), 0.04) * Vec3::new(0.62, 0.5, 1.0);
+        let (wide, tall) = (m.between(0.12, 0.4), m.between(0.05, 0.6));
+        let [outer, inner] = vessel(wide, tall, m.between(0.01, 0.04), m.between(0.4, 1.1));
+        let (n, outside, inside) = (m.cells(22), m.pick(&covers), m.pick(&covers));
+        if m.maybe(0.7) {
+            m.add(outside, turned(&outer, n, m.cells(12)).moved(at));
+            m.add(inside, turned(&inner, n, m.cells(10)).inside_out().moved(at));
+        } else {
+            let turn = turn(m);
+            let thing = primitive(m).stretched(Vec3::splat(wide * 1.6));
+            m.add(outside, thing.placed(turn, at + Vec3::Z * wide * 0.5));
+        }
+    }
+}
+
+/// Bowls, tubes and boxes that one can look into.
+fn dish(m: &mut Maker) {
+    let (outside, inside) = (m.covered(), m.covered());
+    let (wide, tall, wall) = (m.between(0.5, 1.0), m.between(0.3, 1.6), m.between(0.03, 0.12));
+    let (belly, n) = (m.between(0.3, 1.3), m.cells(40));
+    let [outer, inner] = vessel(wide, tall, wall, belly);
     let (square, flutes) = (m.between(0.0, 0.5), m.pick(&[0.0, 0.0, 0.15]));
     let shaped = |p: Vec3| {
         let angle_like = unit(Vec3::new(p.x, p.y, 0.0)).unwrap_or(Vec3::X);
