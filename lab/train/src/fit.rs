@@ -374,7 +374,7 @@ fn loss(recipe: &Recipe, answer: Answer, target: Target) -> Tensor<1> {
         ((wanted * given).sum_dim(1) * target.stakes.clone()).mean().neg() * recipe.listwise
     });
     // States and objectives in which there is more to win count more.
-    let ranks = huber.forward(answer.ranks, target.ranks, Reduction::None) * target.stakes.clone();
+    let ranks = huber.forward_no_reduction(answer.ranks, target.ranks) * target.stakes.clone();
     let ranks = ranks.mean();
     // Scores and gains are small numbers; a tenth is much.
     let state = huber.forward(answer.state * 10.0, target.state * 10.0, Reduction::Mean) * 0.1;

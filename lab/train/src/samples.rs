@@ -439,9 +439,11 @@ impl Batch {
             }
         }
         for objective in 0..OBJECTIVES {
-            let mut of = || stakes.iter_mut().skip(objective).step_by(OBJECTIVES);
-            let mean = of().map(|stake| *stake).sum::<f32>() / states as f32;
-            of().for_each(|stake| *stake = (*stake / mean.max(1e-6)).min(3.0));
+            let of = stakes.iter().skip(objective).step_by(OBJECTIVES);
+            let mean = of.sum::<f32>() / states as f32;
+            for stake in stakes.iter_mut().skip(objective).step_by(OBJECTIVES) {
+                *stake = (*stake / mean.max(1e-6)).min(3.0);
+            }
         }
         let shape = [states, others, OBJECTIVES];
         Target {
