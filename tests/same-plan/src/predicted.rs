@@ -10,8 +10,8 @@ use rand_pcg::Pcg32;
 use vantage_core::candidates::{Pool, ViewSpace};
 use vantage_core::planner::{self, NextView, Plan, Scorer, Session};
 use vantage_core::soarnet::{
-    Dimensions, EncoderParts, Fixed, Image, Layer, Model, Network, Photo, Pixels, SoarNet, Stage,
-    Window,
+    Dimensions, EncoderParts, Fixed, Image, Layer, Model, Network, OUTLOOK, Photo, Pixels, SoarNet,
+    Stage, Window,
 };
 use vantage_core::{Objective, Pose, Scores, Vec3};
 
