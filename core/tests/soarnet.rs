@@ -138,14 +138,13 @@ fn encoded(network: &OwnNetwork, input: &[i8]) -> (Vec<i8>, Vec<i8>) {
         map = x.iter().zip(&b).map(sum).collect();
         zero = sum_zero;
         if stage == 1 {
-            for cell in 0..64 {
-                let channels =
-                    &map[cell * layers[11].weights.len() / 5..][..layers[11].weights.len() / 5];
-                let told = bytes(&layers[11], channels, false);
+            let channels = layers[11].weights.len() / 5;
+            for (cell, pixel) in map.chunks(channels).enumerate() {
                 let (row, column) = (cell / 8, cell % 8);
-                for quarter in 0..4 {
+                let told = bytes(&layers[11], pixel, false);
+                for (quarter, &cover) in told[..4].iter().enumerate() {
                     let (y, x) = (2 * row + quarter / 2, 2 * column + quarter % 2);
-                    sketch[16 * y + x] = told[quarter];
+                    sketch[16 * y + x] = cover;
                 }
                 sketch[256 + cell] = told[4];
             }
@@ -234,6 +233,8 @@ fn the_network_is_its_plain_definition() {
                     _ => scorer.outlook(candidate).unwrap().map(|number| number as i8).to_vec(),
                 })
                 .collect();
+            let told = (0..CANDIDATES).filter_map(|candidate| scorer.outlook(candidate));
+            assert_eq!(told.flatten().any(|number| number != 0), dimensions.embedding > 0);
             let (ranks, state) = at_once(&network, &views, &outlooks);
             assert_eq!(scorer.state().as_slice(), state);
             for (index, expected) in ranks.iter().enumerate() {
