@@ -72,7 +72,7 @@ fn print_the_example() {
         }
     };
     print(&file[..4], "magic");
-    print(&file[4..8], "version 1, reserved");
+    print(&file[4..8], "version 2, reserved");
     print(&file[8..12], "length of the file");
     print(&file[12..20], "no channels");
     print(&file[20..28], "E = 0, H = K = G = 4");
@@ -131,7 +131,7 @@ fn refusal(at: usize, bytes: &[u8]) -> ModelError {
 fn every_field_out_of_its_range_is_named() {
     let field = |layer, fault| ModelError::Field { layer, fault };
     assert_eq!(refusal(0, b"X"), ModelError::Foreign);
-    assert_eq!(refusal(4, &[2]), ModelError::Version { got: 2 });
+    assert_eq!(refusal(4, &[1]), ModelError::Version { got: 1 });
     assert_eq!(refusal(6, &[1]), field("header", Fault::Reserved));
     assert_eq!(refusal(8, &[0, 0]), ModelError::Length { expected: 0, got: page().len() });
     let dimension = |name, got, most| ModelError::Dimension { name, got, most };
@@ -176,6 +176,31 @@ fn padding_and_sums_of_maps_are_checked() {
 }
 
 #[test]
+fn the_sketch_lies_between_the_stages_and_the_embedding() {
+    let file = OwnNetwork::by_chance(SMALL, 1).file();
+    let layer = |rows: usize, columns: usize| 4 + rows * (8 + columns.next_multiple_of(4));
+    let [c0, c1, c2, c3] = SMALL.channels;
+    let stage = |from, to| layer(to, 9 * from) + 2 * layer(to, 9 * to) + 12;
+    let sketch = 28 + layer(c0, 27) + stage(c0, c1) + stage(c1, c2) + stage(c2, c3);
+    for (name, at) in [("sketch", sketch), ("embed", sketch + layer(5, c2))] {
+        let mut bad = file.clone();
+        bad[at + 1] = 1; // the first reserved byte
+        let refused = ModelError::Field { layer: name, fault: Fault::Reserved };
+        assert_eq!(Model::parse(&sealed(bad)).unwrap_err(), refused);
+    }
+}
+
+#[test]
+fn only_a_network_with_images_is_told_outlooks() {
+    for (dimensions, columns) in [(SMALL, 2 * 24 + 8 + 20), (SMALL.without_images(), 2 * 24 + 20)] {
+        let mut network = OwnNetwork::by_chance(dimensions, 1);
+        network.heads[2].weights.pop();
+        let shape = WriteError::Shape { layer: "candidate hidden", rows: 12, columns };
+        assert_eq!(network.network().write(&mut vec![0; 100_000]), Err(shape));
+    }
+}
+
+#[test]
 fn a_model_lies_at_any_address() {
     let file = OwnNetwork::by_chance(SMALL, 2).file();
     let mut shifted = vec![0; file.len() + 4];
@@ -203,17 +228,17 @@ proptest! {
     #![proptest_config(cases(300))]
 
     #[test]
-    fn a_flipped_byte_is_refused(at in 0usize..668, flip in 1u8..) {
+    fn a_flipped_byte_is_refused(at: prop::sample::Index, flip in 1u8..) {
         let mut file = page();
-        let at = at % file.len();
+        let at = at.index(file.len());
         file[at] ^= flip;
         prop_assert!(Model::parse(&file).is_err());
     }
 
     #[test]
-    fn a_cut_or_longer_file_is_refused(cut in 0usize..668, more in 1usize..20, fill: u8) {
+    fn a_cut_or_longer_file_is_refused(cut: prop::sample::Index, more in 1usize..20, fill: u8) {
         let mut file = page();
-        prop_assert!(Model::parse(&file[..cut % file.len()]).is_err());
+        prop_assert!(Model::parse(&file[..cut.index(file.len())]).is_err());
         file.resize(file.len() + more, fill);
         prop_assert!(Model::parse(&file).is_err());
         let sealed = sealed(file);

@@ -19,7 +19,7 @@ use crate::kernels::{add_residual, convolve, fully_connected};
 
 const LARGE: usize = 32 * 32 * 16;
 
-/// Memory to encode a photo in: 28 KiB. What is in it does not matter.
+/// Memory to encode a photo in: 29 KiB. What is in it does not matter.
 #[derive(Clone, Debug)]
 pub struct Scratch {
     large: [i8; LARGE], // (32, 32, 16) or smaller maps

@@ -4,9 +4,9 @@
 //! It begins as the ball; each photo's outline, as the network sees it, carves away what lies beside the
 //! object. Lengths are in radii of the sphere, coordinates the world's about the object's centre.
 //!
-//! Photos are taken for what the network is shown: cameras that look at the centre from three radii, of
-//! a field of view that just holds the sphere ([`HALF_TAN`]). A window of a real photo is near enough to
-//! that: what is carved wrongly by a little perspective is less than a cell of the outline.
+//! Every photo is read as if its camera stood three radii off, looked at the centre and had a field of
+//! view that just holds the sphere ([`HALF_TAN`]): that is how the network's photos are made. A window
+//! of a real photo is near enough to it: a little perspective moves an outline by less than a cell.
 //!
 //! What carving leaves does not depend on the order of the photos.
 
@@ -16,7 +16,7 @@ use super::features::{Direction, Stance};
 use super::image::{COVER, SKETCH};
 use crate::math;
 
-/// Voxels along an axis: the bits of a row.
+/// Voxels along an axis, and the bits of a row.
 const SIDE: i32 = 32;
 const ROWS: usize = (SIDE * SIDE) as usize;
 /// Side of a voxel.
@@ -32,7 +32,7 @@ const HALF_TAN: f32 = 0.36;
 /// ranks of gains on a hull changed by less than 0.01.
 const EMPTY: i32 = 20;
 
-/// Empty, half and whole are one bit a voxel; see the [module](self).
+/// The voxels that no photo has shown to be empty; see the [module](self).
 #[derive(Clone, Debug)]
 pub(super) struct Hull {
     rows: [u32; ROWS], // row y + 32 z, bit x
@@ -42,7 +42,7 @@ pub(super) struct Hull {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Voxel {
     pub(super) centre: Vec3,
-    /// Outward, unit length; zero where the hull is as thin on either side.
+    /// Outward, unit length; zero where as much of the hull lies on one side as on the other.
     pub(super) normal: Vec3,
     /// Of the surface inside the voxel, about, in squares of its side.
     pub(super) area: f32,
@@ -58,11 +58,17 @@ pub(super) struct Camera {
 }
 
 impl Camera {
-    /// A view's; `None` where it looks past the object at a right angle.
+    /// A view's, turned to look at the centre; `None` where the centre lies straight to its right or
+    /// left, so that its picture has no right.
     pub(super) fn try_new(stance: &Stance) -> Option<Self> {
         let back = stance.direction.vector();
         let right = stance.right();
-        let right = math::unit(right - back * right.dot(back))?;
+        let across = right - back * right.dot(back);
+        // Of what should be nothing, the rounding of both leaves 1e-4.
+        if across.length_squared() < 1e-4 {
+            return None;
+        }
+        let right = math::unit(across)?;
         Some(Self { eye: Self::eye_in(stance.direction), right, up: back.cross(right), back })
     }
 
@@ -100,8 +106,8 @@ impl Hull {
         }
     }
 
-    /// Takes away what a photo shows to be empty. `sketch` is what the network sees in it; where that
-    /// is no object at all, nothing is taken away.
+    /// Takes away what a photo shows to be empty. `sketch` is what the network sees in it, shape (320);
+    /// where that is no object at all, or too short, nothing is taken away.
     pub(super) fn carve(&mut self, camera: &Camera, sketch: &[i8]) {
         let Some(cover) = sketch.get(..COVER * COVER) else { return };
         if cover.iter().all(|&share| i32::from(share) < EMPTY) {
@@ -185,12 +191,17 @@ impl Hull {
         Voxel { centre: Vec3::new(middle(x), middle(y), middle(z)), normal, area }
     }
 
-    /// Whether nothing of the hull stands between a surface voxel and a camera at `distance` in
-    /// `direction`: steps of 0.7 voxels, from 1.55 voxels off the surface on.
-    pub(super) fn is_open(&self, from: Vec3, normal: Vec3, direction: Vec3) -> bool {
-        let place = (from + normal * (1.2 * VOXEL) + Vec3::ONE) * (1.0 / VOXEL);
+    /// Whether nothing of the hull stands between a surface voxel, given by its centre and normal, and
+    /// a camera outside in `direction`, of unit length.
+    ///
+    /// Looks every 0.7 voxels along a line that begins 1.2 voxels above the centre. On a ball it takes
+    /// a place for hidden by its neighbours only beyond 78 degrees of incidence.
+    pub(super) fn is_open(&self, centre: Vec3, normal: Vec3, direction: Vec3) -> bool {
+        // What is thin has no outside of its own.
+        let away = if normal == Vec3::ZERO { direction } else { normal };
+        let begin = (centre + away * (1.2 * VOXEL) + Vec3::ONE) * (1.0 / VOXEL);
         let step = direction * 0.7;
-        let mut place = place + step * 0.5;
+        let mut place = begin + step * 0.5;
         // It leaves the cube, whose diagonal is 55 voxels, after 80 steps at most.
         for _ in 0..80 {
             let inside = |at: f32| (0.0..SIDE as f32).contains(&at);
@@ -221,4 +232,391 @@ fn cover_at(cover: &[i8], (u, v): (f32, f32)) -> i32 {
     let above = (256 - a) * at(column, row) + a * at(column + 1, row);
     let below = (256 - a) * at(column, row + 1) + a * at(column + 1, row + 1);
     ((256 - b) * above + b * below + (1 << 15)) >> 16
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use std::string::String;
+    use std::vec::Vec;
+
+    use glam::{DVec3, Quat};
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::candidates::{Pool, ViewSpace};
+    use crate::pose::Pose;
+
+    /// A ball, in radii of the bounding sphere about its centre.
+    #[derive(Clone, Copy, Debug)]
+    pub struct Ball {
+        pub centre: DVec3,
+        pub radius: f64,
+    }
+
+    impl Ball {
+        pub const fn new(x: f64, y: f64, z: f64, radius: f64) -> Self {
+            Self { centre: DVec3::new(x, y, z), radius }
+        }
+    }
+
+    /// Views from all around that look at the centre.
+    pub fn stances(count: usize) -> Vec<Stance> {
+        let pool = Pool::try_new(ViewSpace::FibonacciSphere, count, 3.0).unwrap();
+        pool.iter().map(|pose| Stance::try_new(&pose, Vec3::ZERO).unwrap()).collect()
+    }
+
+    /// Any camera that does not stand on the centre, whatever it looks at.
+    pub fn any_stance() -> impl Strategy<Value = Stance> {
+        let part = || -1.0f32..1.0;
+        ((part(), part(), part()), (part(), part(), part(), part())).prop_filter_map(
+            "no pose",
+            |((x, y, z), (a, b, c, d))| {
+                let turn = Quat::from_xyzw(a, b, c, d).normalize();
+                let pose = Pose::try_new(Vec3::new(x, y, z) * 3.0, turn).ok()?;
+                Stance::try_new(&pose, Vec3::ZERO)
+            },
+        )
+    }
+
+    /// Any signed bytes, a sketch's number of them.
+    pub fn any_sketch() -> impl Strategy<Value = Vec<i8>> {
+        prop::collection::vec(any::<i8>(), SKETCH)
+    }
+
+    /// A camera by its definition, in double precision.
+    struct Plain {
+        eye: DVec3,
+        right: DVec3,
+        up: DVec3,
+        back: DVec3,
+    }
+
+    impl Plain {
+        fn new(stance: &Stance) -> Self {
+            let double = |v: Vec3| DVec3::new(v.x.into(), v.y.into(), v.z.into());
+            let back = double(stance.direction.vector()).normalize();
+            let right = double(stance.right());
+            let right = (right - back * right.dot(back)).normalize();
+            Self { eye: back * 3.0, right, up: back.cross(right), back }
+        }
+
+        fn project(&self, point: DVec3) -> (f64, f64) {
+            let seen = point - self.eye;
+            let half = -seen.dot(self.back) * 0.36;
+            (0.5 + 0.5 * seen.dot(self.right) / half, 0.5 - 0.5 * seen.dot(self.up) / half)
+        }
+
+        fn ray(&self, u: f64, v: f64) -> DVec3 {
+            let (x, y) = ((2.0 * u - 1.0) * 0.36, (1.0 - 2.0 * v) * 0.36);
+            (self.right * x + self.up * y - self.back).normalize()
+        }
+    }
+
+    /// The true sketch of balls without texture: 8 x 8 rays for a cell.
+    pub fn sketch_of(balls: &[Ball], stance: &Stance) -> Vec<i8> {
+        let camera = Plain::new(stance);
+        let hits = |u: f64, v: f64| {
+            let ray = camera.ray(u, v);
+            balls.iter().any(|ball| (ball.centre - camera.eye).cross(ray).length() < ball.radius)
+        };
+        let mut sketch = std::vec![0; SKETCH];
+        for (place, cover) in sketch[..COVER * COVER].iter_mut().enumerate() {
+            let at = |cell: usize, step: usize| (8 * cell + step) as f64 / 128.0 + 1.0 / 256.0;
+            let steps = (0..64).map(|step| (step % 8, step / 8));
+            let count =
+                steps.filter(|&(x, y)| hits(at(place % COVER, x), at(place / COVER, y))).count();
+            *cover = ((count * 127 + 32) / 64) as i8;
+        }
+        sketch
+    }
+
+    /// The hull that true sketches leave.
+    pub fn hull_of(balls: &[Ball], views: usize) -> Hull {
+        let mut hull = whole();
+        for stance in stances(views) {
+            hull.carve(&Camera::try_new(&stance).unwrap(), &sketch_of(balls, &stance));
+        }
+        hull
+    }
+
+    /// As before the first photo.
+    pub fn whole() -> Hull {
+        let mut hull = Hull::new();
+        hull.fill();
+        hull
+    }
+
+    fn holds(hull: &Hull, x: i32, y: i32, z: i32) -> bool {
+        (0..SIDE).contains(&x) && hull.row(y, z) >> x & 1 == 1
+    }
+
+    fn count(hull: &Hull) -> u32 {
+        hull.rows.iter().map(|row| row.count_ones()).sum()
+    }
+
+    fn places() -> impl Iterator<Item = (i32, i32, i32)> {
+        (0..ROWS as i32 * SIDE).map(|place| (place % 32, place / 32 % 32, place / 1024))
+    }
+
+    fn centre_of(x: i32, y: i32, z: i32) -> DVec3 {
+        (DVec3::new(x.into(), y.into(), z.into()) + 0.5) / 16.0 - 1.0
+    }
+
+    const BALL: Ball = Ball::new(0.15, -0.1, 0.05, 0.6);
+
+    #[test]
+    fn before_the_first_photo_the_hull_is_the_ball() {
+        let hull = whole();
+        for (x, y, z) in places() {
+            assert_eq!(holds(&hull, x, y, z), centre_of(x, y, z).length_squared() <= 1.0);
+        }
+    }
+
+    #[test]
+    fn the_hull_of_a_ball_holds_it_and_little_beyond() {
+        let hull = hull_of(&[BALL], 12);
+        for (x, y, z) in places() {
+            let inside = (centre_of(x, y, z) - BALL.centre).length() < BALL.radius - 0.5 / 16.0;
+            assert!(holds(&hull, x, y, z) || !inside, "({x}, {y}, {z}) is gone");
+        }
+        let volume = f64::from(count(&hull)) / 4096.0;
+        let ball = 4.0 / 3.0 * core::f64::consts::PI * BALL.radius.powi(3);
+        // The outlines are a quarter of a cell wide of the ball, 0.03: 1.16 of it in volume.
+        assert!((1.0..1.25).contains(&(volume / ball)), "{}", volume / ball);
+    }
+
+    #[test]
+    fn the_hull_of_two_balls_keeps_them_apart() {
+        let balls = [Ball::new(-0.5, 0.0, 0.0, 0.35), Ball::new(0.45, 0.2, 0.0, 0.4)];
+        let hull = hull_of(&balls, 12);
+        // The slice z = 0, x to the right, y upwards: # a ball in the hull, o hull beside it, - a ball
+        // that was carved.
+        let mut picture = String::new();
+        for y in (8..28).rev().step_by(2) {
+            for x in 0..32 {
+                let point = centre_of(x, y, 16);
+                let ball = balls.iter().any(|ball| (point - ball.centre).length() < ball.radius);
+                picture.push(match (holds(&hull, x, y, 16), ball) {
+                    (true, true) => '#',
+                    (true, false) => 'o',
+                    (false, true) => '-',
+                    (false, false) => '.',
+                });
+            }
+            picture.push('\n');
+        }
+        let expected = "\
+................................
+....................oo##oo......
+.................o##########o...
+.....oo##oo......############o..
+...o########o...o#############..
+..o##########o..o############o..
+..############...o##########o...
+..o##########......o######o.....
+....o######o....................
+................................
+";
+        assert_eq!(picture, expected, "\n{picture}");
+    }
+
+    #[test]
+    fn what_carves_nothing() {
+        let camera = Camera::try_new(&stances(5)[2]).unwrap();
+        let mut hull = whole();
+        for sketch in [&[0; SKETCH][..], &[31; SKETCH], &[-128; SKETCH], &[127; 255], &[]] {
+            hull.carve(&camera, sketch);
+            assert_eq!(hull.rows, whole().rows);
+        }
+        // A whole picture of object takes away nothing either, for the ball is in the picture.
+        hull.carve(&camera, &[127; SKETCH]);
+        assert_eq!(hull.rows, whole().rows);
+        // A single cell leaves something.
+        let mut one = [0; SKETCH];
+        one[8 * COVER + 7] = 127;
+        hull.carve(&camera, &one);
+        assert!((1..1000).contains(&count(&hull)), "{}", count(&hull));
+    }
+
+    #[test]
+    fn a_camera_sideways_to_the_object_is_none() {
+        // Of every view, the camera is turned by an angle about its picture's vertical.
+        let turned = |pose: &Pose, angle_rad: f32| {
+            let turn = Quat::from_axis_angle(pose.up(), angle_rad) * pose.rotation();
+            let stance =
+                Stance::try_new(&Pose::try_new(pose.position(), turn).unwrap(), Vec3::ZERO);
+            Camera::try_new(&stance.unwrap())
+        };
+        let sideways = core::f32::consts::FRAC_PI_2;
+        for pose in Pool::try_new(ViewSpace::FibonacciSphere, 200, 3.0).unwrap().iter() {
+            assert!(turned(&pose, sideways).is_none() && turned(&pose, -sideways).is_none());
+            let straight = turned(&pose, 0.0).unwrap();
+            for angle_rad in [sideways - 0.05, 0.05 - sideways] {
+                let camera = turned(&pose, angle_rad).unwrap();
+                assert!((camera.right - straight.right).length() < 5e-3, "{camera:?} {straight:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_surface_voxel_has_a_free_side() {
+        let hull = hull_of(&[BALL, Ball::new(-0.6, 0.3, 0.2, 0.2)], 4);
+        let sides = [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)];
+        let expected: Vec<_> = places()
+            .filter(|&(x, y, z)| {
+                let free = |(a, b, c): &(i32, i32, i32)| !holds(&hull, x + a, y + b, z + c);
+                holds(&hull, x, y, z) && sides.iter().any(free)
+            })
+            .map(|(x, y, z)| Vec3::new(middle(x), middle(y), middle(z)))
+            .collect();
+        let got: Vec<_> = hull.surface(|_, _, _| true).map(|voxel| voxel.centre).collect();
+        assert_eq!(got, expected);
+        assert_eq!(hull.surface_count() as usize, expected.len());
+        let half = hull.surface(|x, y, z| (x + y + z) % 2 == 0).count();
+        assert!(half > expected.len() / 3 && half < expected.len() * 2 / 3);
+    }
+
+    #[test]
+    fn normals_of_a_ball_point_outward_and_areas_add_up_to_its_surface() {
+        let hull = whole();
+        let (mut worst, mut sum, mut area) = (1.0f32, 0.0, 0.0);
+        for voxel in hull.surface(|_, _, _| true) {
+            assert!((voxel.normal.length() - 1.0).abs() < 1e-5);
+            let cosine = voxel.normal.dot(voxel.centre.normalize());
+            worst = worst.min(cosine);
+            sum += math::acos(cosine).to_degrees();
+            area += voxel.area * VOXEL * VOXEL;
+        }
+        let mean = sum / hull.surface_count() as f32;
+        assert!(math::acos(worst).to_degrees() < 10.0 && mean < 5.0, "{worst} {mean}");
+        let share = area / (4.0 * core::f32::consts::PI);
+        assert!((0.95..1.0).contains(&share), "{share}");
+    }
+
+    #[test]
+    fn a_convex_hull_hides_nothing_in_front() {
+        for hull in [whole(), hull_of(&[BALL], 12)] {
+            for voxel in hull.surface(|x, y, z| (x + y + z) % 3 == 0) {
+                for stance in stances(40) {
+                    let towards = (Camera::eye_in(stance.direction) - voxel.centre).normalize();
+                    let cosine = towards.dot(voxel.normal);
+                    let open = hull.is_open(voxel.centre, voxel.normal, towards);
+                    assert!(open || cosine < 0.2, "hidden at a cosine of {cosine}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn one_ball_hides_the_other() {
+        let hull = hull_of(&[Ball::new(-0.55, 0.0, 0.0, 0.3), Ball::new(0.55, 0.0, 0.0, 0.3)], 40);
+        let open = |from: core::ops::Range<f32>| {
+            let facing = hull.surface(|_, _, _| true);
+            let facing = facing.filter(|v| from.contains(&v.centre.x) && v.normal.x > 0.9);
+            facing.map(|v| hull.is_open(v.centre, v.normal, Vec3::X)).collect::<Vec<_>>()
+        };
+        let (inner, outer) = (open(-0.4..-0.1), open(0.7..1.0));
+        assert!(inner.len() > 5 && outer.len() > 5, "{} {}", inner.len(), outer.len());
+        assert!(inner.iter().all(|open| !open) && outer.iter().all(|open| *open));
+    }
+
+    /// The same few cases in every run, and nothing written to disk.
+    pub fn cases(cases: u32) -> ProptestConfig {
+        let rng_seed = prop::test_runner::RngSeed::Fixed(0x5eed);
+        ProptestConfig { cases, rng_seed, failure_persistence: None, ..ProptestConfig::default() }
+    }
+
+    proptest! {
+        #![proptest_config(cases(16))]
+
+        #[test]
+        fn the_order_of_photos_changes_nothing(
+            photos in prop::collection::vec((any_stance(), any_sketch()), 1..6), first in 0usize..6,
+        ) {
+            let carved = |photos: &[(Stance, Vec<i8>)]| {
+                let mut hull = whole();
+                for (stance, sketch) in photos {
+                    if let Some(camera) = Camera::try_new(stance) {
+                        hull.carve(&camera, sketch);
+                    }
+                }
+                hull
+            };
+            let before = carved(&photos);
+            let mut photos = photos;
+            photos.reverse();
+            prop_assert_eq!(&before.rows, &carved(&photos).rows);
+            let middle = first % photos.len();
+            photos.rotate_left(middle);
+            prop_assert_eq!(&before.rows, &carved(&photos).rows);
+            // A photo again takes away nothing.
+            photos.extend_from_within(..);
+            prop_assert_eq!(&before.rows, &carved(&photos).rows);
+        }
+
+        #[test]
+        fn a_voxel_goes_where_its_place_in_the_picture_shows_no_object(
+            stance in any_stance(), sketch in any_sketch(),
+        ) {
+            let (plain, camera) = (Plain::new(&stance), Camera::try_new(&stance));
+            prop_assume!(camera.is_some());
+            let mut hull = whole();
+            hull.carve(&camera.unwrap(), &sketch);
+            let cell = |x: f64, y: f64| {
+                let inside = (0.0..16.0).contains(&x) && (0.0..16.0).contains(&y);
+                if inside { f64::from(sketch[16 * y as usize + x as usize]) } else { 0.0 }
+            };
+            let before = whole();
+            for (x, y, z) in places().filter(|&(x, y, z)| holds(&before, x, y, z)) {
+                let (u, v) = plain.project(centre_of(x, y, z));
+                let (u, v) = (16.0 * u - 0.5, 16.0 * v - 0.5);
+                let (left, top) = (u.floor(), v.floor());
+                let (a, b) = (u - left, v - top);
+                let above = (1.0 - a) * cell(left, top) + a * cell(left + 1.0, top);
+                let below = (1.0 - a) * cell(left, top + 1.0) + a * cell(left + 1.0, top + 1.0);
+                let cover = (1.0 - b) * above + b * below;
+                // Places are cut to 1/256 of a cell, in which a cover changes by 1 in each direction.
+                if (cover - 32.0).abs() > 3.0 {
+                    prop_assert_eq!(holds(&hull, x, y, z), cover > 32.0, "{} at {} {}", cover, u, v);
+                }
+            }
+        }
+
+        #[test]
+        fn a_place_is_open_where_a_line_of_small_steps_meets_no_voxel(
+            sketches in prop::collection::vec((any_stance(), any_sketch()), 1..3),
+            eye in any_stance(),
+        ) {
+            let mut hull = whole();
+            for (stance, sketch) in &sketches {
+                if let Some(camera) = Camera::try_new(stance) {
+                    hull.carve(&camera, sketch);
+                }
+            }
+            for voxel in hull.surface(|x, y, z| (x + 3 * y + 5 * z) % 17 == 0) {
+                let towards = (Camera::eye_in(eye.direction) - voxel.centre).normalize();
+                if towards.dot(voxel.normal) <= 0.0 {
+                    continue;
+                }
+                let begin = (voxel.centre + voxel.normal * 1.2 * VOXEL + 1.0) * 16.0;
+                let (mut longest, mut inside) = (0, 0);
+                for step in 0..6000 {
+                    let at = begin + towards * (0.35 + step as f32 * 0.01);
+                    if at.min_element() < 0.0 || at.max_element() >= 32.0 {
+                        break;
+                    }
+                    let [x, y, z] = at.to_array().map(|part| part as i32);
+                    inside = if holds(&hull, x, y, z) { inside + 1 } else { 0 };
+                    longest = longest.max(inside);
+                }
+                let open = hull.is_open(voxel.centre, voxel.normal, towards);
+                // A run as long as a step cannot be stepped over.
+                if longest == 0 {
+                    prop_assert!(open);
+                } else if longest > 72 {
+                    prop_assert!(!open);
+                }
+            }
+        }
+    }
 }

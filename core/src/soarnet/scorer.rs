@@ -109,9 +109,10 @@ impl core::error::Error for PhotoError {}
 
 /// Scores views by what a [`Model`] predicts from the photos so far and where they were taken.
 ///
-/// A photo is encoded once, when it is taken in; the visual hull then takes in its outline, and every
-/// candidate's pooled state one token. [`gain`](Scorer::gain) only looks up, and knows candidates by their index: the pose it is
-/// given is not looked at. Before the first photo all gains and scores are 0.
+/// A photo is encoded once, when it is taken in; then the visual hull takes in its outline, every
+/// candidate's pooled state one token, and all outlooks are computed anew. [`gain`](Scorer::gain) only
+/// looks up, and knows candidates by their index: the pose it is given is not looked at. Before the
+/// first photo all gains and scores are 0.
 #[derive(Debug)]
 pub struct SoarNet<'m, M> {
     model: Model<'m>,

@@ -65,7 +65,8 @@ impl OwnNetwork {
                 encoder.push(layer(to, 9 * to, 5, byte));
             }
             encoder.push(layer(e, 16 * c3, -3, byte));
-            encoder.push(layer(5, c2, 0, byte));
+            // Above 0, so that a few photos leave something of the hull.
+            encoder.push(layer(5, c2, 40, byte));
         }
         let outlook = if e > 0 { 8 } else { 0 };
         let heads = vec![

@@ -11,6 +11,7 @@
 
 mod arithmetic;
 mod geometry;
+mod outlines;
 mod plans;
 mod predicted;
 mod recorded;
@@ -33,6 +34,7 @@ const SECTIONS: &[(&str, Section)] = &[
     ("plans over a recorded scene", recorded::schemes),
     ("mishaps", recorded::mishaps),
     ("snapshots", recorded::snapshots),
+    ("outlooks on a hull", outlines::outlooks),
     ("gains by a network", predicted::gains),
     ("plans by a network", predicted::plans),
 ];

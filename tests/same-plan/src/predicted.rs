@@ -10,8 +10,8 @@ use rand_pcg::Pcg32;
 use vantage_core::candidates::{Pool, ViewSpace};
 use vantage_core::planner::{self, NextView, Plan, Scorer, Session};
 use vantage_core::soarnet::{
-    Dimensions, EncoderParts, Fixed, Image, Layer, Model, Network, Photo, Pixels, SoarNet, Stage,
-    Window,
+    Dimensions, EncoderParts, Fixed, Image, Layer, Model, Network, OUTLOOK, Photo, Pixels, SoarNet,
+    Stage, Window,
 };
 use vantage_core::{Objective, Pose, Scores, Vec3};
 
@@ -100,9 +100,12 @@ fn write(sizes: Dimensions, seed: u64, file: &mut [u8]) -> Result<usize, fmt::Er
     let stages = [(c0, c1), (c1, c2), (c2, c3)].map(|(from, to)| {
         [make(to, 9 * from, -128, byte), make(to, 9 * to, -90, byte), make(to, 9 * to, 5, byte)]
     });
+    // Above 0, so that a few photos leave something of the hull.
+    let sketch = make(5, c2, 40, byte);
     let embed = make(embedding, 16 * c3, -3, byte);
     let token = [make(width, embedding + 32, -128, byte), make(width, width, -120, byte)];
-    let candidate = [make(head, 2 * width + 20, -128, byte), make(4, head, 0, wide)];
+    let outlook = if embedding > 0 { OUTLOOK } else { 0 };
+    let candidate = [make(head, 2 * width + outlook + 20, -128, byte), make(4, head, 0, wide)];
     let state = [make(context, 2 * width + 4, -128, byte), make(12, context, 0, wide)];
 
     let numbers = &*numbers;
@@ -112,6 +115,7 @@ fn write(sizes: Dimensions, seed: u64, file: &mut [u8]) -> Result<usize, fmt::Er
         encoder: (embedding > 0).then(|| EncoderParts {
             stem: stem.layer(numbers),
             stages: [residual(one, numbers), residual(two, numbers), residual(three, numbers)],
+            sketch: sketch.layer(numbers),
             embed: embed.layer(numbers),
         }),
         token: token.each_ref().map(|made| made.layer(numbers)),
@@ -188,8 +192,13 @@ pub fn gains(out: &mut dyn Write) -> fmt::Result {
             scorer.observe(&pose, &photo).map_err(|_| fmt::Error)?;
 
             let embedding = scorer.embedding(view).unwrap_or_default();
-            let digest = digest(embedding.iter().map(|value| *value as u8));
-            writeln!(out, "  view {view}: embedding {digest:08x}, state {:?}", scorer.state())?;
+            let embedding = digest(embedding.iter().map(|value| *value as u8));
+            let sketch = scorer.sketch(view).into_iter().flatten();
+            let sketch = digest(sketch.map(|value| *value as u8));
+            let outlooks = (0..CANDIDATES).filter_map(|candidate| scorer.outlook(candidate));
+            let outlooks = digest(outlooks.flatten().map(|number| number as u8));
+            write!(out, "  view {view}: embedding {embedding:08x}, sketch {sketch:08x}, ")?;
+            writeln!(out, "outlooks {outlooks:08x}, state {:?}", scorer.state())?;
             for (index, pose) in poses().enumerate() {
                 let gains = Objective::ALL.map(|o| scorer.gain(o, index, &pose));
                 line(out, format_args!("  {index}"), &gains)?;
