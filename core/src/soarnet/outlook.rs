@@ -282,7 +282,6 @@ const LEAST_SPREAD: u64 = 1 << 13;
 ///
 /// A spread below [`LEAST_SPREAD`] counts as that, so that what hardly differs fades instead of being
 /// blown up: late in a capture the last unseen spots of a hull say little.
-const FLOOR: u64 = 32768;
 fn standardise(outlooks: &mut [[i32; OUTLOOK]]) {
     let count = (outlooks.len() as i64).max(1);
     for place in 0..OUTLOOK {
@@ -291,7 +290,7 @@ fn standardise(outlooks: &mut [[i32; OUTLOOK]]) {
         let mean = sum.checked_div_euclid(count).unwrap_or(0);
         let squares: i64 = outlooks.iter().map(|outlook| (of(outlook) - mean).pow(2)).sum();
         let variance = squares.checked_div_euclid(count).unwrap_or(0);
-        let spread = i64::from((variance.unsigned_abs().isqrt()).max(FLOOR) as u32);
+        let spread = i64::from(variance.unsigned_abs().isqrt().max(LEAST_SPREAD) as u32);
         for outlook in outlooks.iter_mut() {
             let above = of(outlook) - mean;
             let rounded = (127 * above + 2 * spread).checked_div_euclid(4 * spread).unwrap_or(0);
