@@ -218,9 +218,10 @@ impl ViewSpace {
             Self::Rings { rings, min_elevation_rad, max_elevation_rad } => {
                 // Ring r holds the views from start(r) to start(r + 1); the first ones are longer.
                 let (share, longer) = (count / rings.max(1), count % rings.max(1));
-                let boundary = longer * (share + 1);
+                let long = share.saturating_add(1); // saturates for usize::MAX in one ring: none is longer
+                let boundary = longer * long;
                 let (ring, place, size) = if index < boundary {
-                    (index / (share + 1), index % (share + 1), share + 1)
+                    (index / long, index % long, long)
                 } else {
                     let after = index - boundary;
                     (longer + after / share.max(1), after % share.max(1), share)
@@ -429,6 +430,17 @@ mod tests {
         assert!(matches!(Pool::try_new(upside_down, 4, 1.0), Err(PoolError::BadElevations { .. })));
         let rings = ViewSpace::Rings { rings: 5, min_elevation_rad: 0.0, max_elevation_rad: 0.0 };
         assert_eq!(Pool::try_new(rings, 4, 1.0), Err(PoolError::BadRings { rings: 5, count: 4 }));
+    }
+
+    #[test]
+    fn a_pool_of_as_many_views_as_there_are_numbers_has_its_poses() {
+        let one = ViewSpace::Rings { rings: 1, min_elevation_rad: 0.0, max_elevation_rad: 0.0 };
+        for space in SPACES.into_iter().chain([one]) {
+            let pool = Pool::try_new(space, usize::MAX, 1.0).unwrap();
+            for index in [0, 1, usize::MAX / 2, usize::MAX - 1] {
+                assert!(pool.pose(index).is_some(), "{space:?} {index}");
+            }
+        }
     }
 
     proptest! {

@@ -72,7 +72,8 @@ pub fn hue_saturation([red, green, blue]: [u8; 3]) -> [u8; 2] {
         4 * range + r - g
     };
     let hue = (sixths * 256 + 3 * range) / (6 * range);
-    let saturation = (range * 255 + brightest / 2) / brightest;
+    // The brightest is at least `range`, which is not 0.
+    let saturation = (range * 255 + brightest / 2).checked_div(brightest).unwrap_or(0);
     [hue as u8, saturation as u8]
 }
 

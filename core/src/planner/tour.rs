@@ -91,8 +91,9 @@ impl<P: Fn(usize) -> Vec3> Tour<P> {
                     nearest = (candidate, angle);
                 }
             }
-            if nearest.0 != position {
-                order.swap(position, nearest.0);
+            // Where the next place is the nearest, the stretch has no other end.
+            if let Some([next, .., nearest]) = order.get_mut(position..=nearest.0) {
+                core::mem::swap(next, nearest);
             }
         }
     }
@@ -134,6 +135,7 @@ impl<P: Fn(usize) -> Vec3> Tour<P> {
                         self.step(left, first) + self.step(last, right) - self.step(left, right);
                     if added + NOTICEABLE < cut
                         && let Some(stretch) = order.get_mut(from..to)
+                        && size <= stretch.len()
                     {
                         stretch.rotate_left(size);
                         better = true;
@@ -202,6 +204,15 @@ mod tests {
             order.sort_unstable();
             assert!(order.iter().copied().eq(0..40));
         }
+    }
+
+    #[test]
+    fn the_nearest_place_comes_next() {
+        let angles = [0.9f32, 0.1, 2.0, 0.2, 0.4];
+        let place = |index: usize| Vec3::new(angles[index].cos(), angles[index].sin(), 0.0);
+        let mut order = [0, 1, 2, 3, 4];
+        Tour { start: Some(Vec3::X), place }.nearest_neighbour(&mut order);
+        assert_eq!(order, [1, 3, 4, 0, 2]);
     }
 
     #[test]
