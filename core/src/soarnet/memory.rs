@@ -72,8 +72,8 @@ impl<M: Memory + ?Sized> Memory for &mut M {
 /// Room for a fixed number of candidates and views of a network with tokens of `WIDTH` and embeddings
 /// of `EMBEDDING`, without a heap.
 ///
-/// A smaller network fits too. 128 candidates and 64 views of the default sizes take 141 KiB: 29 to
-/// encode photos in, 40 for the visual hull, 29 for the views and 43 for the candidates.
+/// A smaller network fits too. 128 candidates and 64 views of the default sizes take 144 KiB: 29 to
+/// encode photos in, 43 for the visual hull, 29 for the views and 43 for the candidates.
 #[derive(Clone, Debug)]
 pub struct Fixed<
     const CANDIDATES: usize,
