@@ -36,7 +36,11 @@ fn main() -> Result<()> {
 
 fn object(name: &str) -> Result<Mesh> {
     let (stem, seed) = name.split_once(':').unwrap_or((name, "0"));
-    if let Some(mesh) = seed.parse().ok().and_then(|seed| mesh::builtin(stem, seed).or_else(|| mesh::class(stem, seed))) {
+    if let Some(mesh) = seed
+        .parse()
+        .ok()
+        .and_then(|seed| mesh::builtin(stem, seed).or_else(|| mesh::class(stem, seed)))
+    {
         return Ok(mesh);
     }
     let loaded = mesh::load(name)?;

@@ -131,6 +131,10 @@ FAULTS = [
     ("a weight of the encoder off", 0, edit("network.onnx", weights("stem.weight", nudge(0.5)))),
     ("a convolution turned round", 0, edit(
         "network.onnx", weights("stage2.first.weight", lambda w: np.ascontiguousarray(w[..., ::-1])))),
+    ("a sketch whose quarters change places", 0, edit(
+        "network.onnx", weights("sketch.weight", lambda w: np.ascontiguousarray(w[::-1])))),
+    ("outlooks of other candidates", 0, change_states(
+        lambda s: s["network.onnx"][0]["inputs"]["outlooks"]["values"].reverse())),
     ("features in another order", 0, edit(
         "poses.onnx", weights("relation.weight", lambda w: np.ascontiguousarray(w[::-1])))),
     ("windows that begin elsewhere", 0, edit(

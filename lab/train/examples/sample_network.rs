@@ -19,9 +19,10 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use serde::Serialize;
 use vantage_core::candidates::{Pool, ViewSpace};
+use vantage_core::soarnet::OUTLOOK;
 use vantage_core::soarnet::features::{COUNT, DIRECTION, RELATION, Stance};
 use vantage_core::{Pose, Vec3};
-use vantage_train::net::{Network, OBJECTIVES, Question, SIDE, STATE, Shape};
+use vantage_train::net::{CELL, CELLS, Network, OBJECTIVES, Question, SIDE, STATE, Shape};
 use vantage_train::{onnx, samples};
 
 /// Numbers of views and candidates of the states.
@@ -51,10 +52,9 @@ fn main() -> Result<()> {
     let device = Device::flex();
     let mut chance = Pcg64::seed_from_u64(1);
     let mut states = BTreeMap::new();
-    for (file, shape) in [
-        ("network.onnx", Shape::default()),
-        ("poses.onnx", Shape::default().without_photos()),
-    ] {
+    for (file, shape) in
+        [("network.onnx", Shape::default()), ("poses.onnx", Shape::default().without_photos())]
+    {
         let net = network(&shape, &device, &mut chance)?;
         onnx::export(&net, &out.join(file))?;
         let states_of = STATES.map(|[views, candidates]| {
@@ -87,6 +87,7 @@ struct Ask {
     directions: Vec<f32>,     // (views, 16)
     relations: Vec<Vec<f32>>, // of each view, (candidates, 16)
     candidates: Vec<f32>,     // (candidates, 16)
+    outlooks: Vec<f32>,       // (candidates, 8), or empty
     views: usize,
     others: usize,
 }
@@ -115,7 +116,11 @@ impl Ask {
                 photo.push(byte as f32 / 128.0);
             }
         }
+        let numbers = if photos { others * OUTLOOK } else { 0 };
         Ok(Self {
+            outlooks: (0..numbers)
+                .map(|_| samples::outlook(chance.random_range(-127..=127)))
+                .collect(),
             photos: photo,
             directions: taken.iter().flat_map(direction).collect(),
             relations: taken.iter().map(relations).collect(),
@@ -138,6 +143,11 @@ impl Ask {
             views: of(&self.directions, [1, views, DIRECTION]),
             relations: relations.map(|values| of(values, [1, others, RELATION])).collect(),
             candidates: of(&self.candidates, [1, others, DIRECTION]),
+            outlooks: if self.outlooks.is_empty() {
+                Vec::new()
+            } else {
+                vec![of(&self.outlooks, [1, others, OUTLOOK])]
+            },
             counts: vec![views],
         }
     }
@@ -158,11 +168,16 @@ impl Ask {
         ]);
         if !self.photos.is_empty() {
             inputs.insert("photos", array(&[views, 3, SIDE, SIDE], &self.photos));
+            inputs.insert("outlooks", array(&[others, OUTLOOK], &self.outlooks));
         }
-        let outputs = BTreeMap::from([
+        let mut outputs = BTreeMap::from([
             ("ranks", array(&[others, OBJECTIVES], &ranks)),
             ("state", array(&[1, STATE], &values(answer.state)?)),
         ]);
+        if let Some(sketches) = answer.sketches {
+            let cells = values(sketches.seen)?;
+            outputs.insert("sketch", array(&[views, CELL, CELLS, CELLS], &cells));
+        }
         Ok(State { inputs, outputs })
     }
 }

@@ -18,7 +18,8 @@ use vantage_core::Vec3;
 use vantage_core::planner::Scorer;
 use vantage_core::soarnet::features::{COUNT, DIRECTION, RELATION};
 use vantage_core::soarnet::{
-    self, Dimensions, EncoderParts, Form, Image, Layer, Model, OUTLOOK, Photo, Pixels, SoarNet, Stage,
+    self, Dimensions, EncoderParts, Form, Image, Layer, Model, OUTLOOK, Photo, Pixels, SoarNet,
+    Stage,
 };
 use vantage_lab::statistics::spearman;
 
@@ -283,27 +284,28 @@ pub fn quantize(reference: &Reference, objects: &[Object], seed: u64) -> Result<
             Output::Bytes(token),
         )?,
     ];
-    let head = |name: &str, outlook: usize, features: usize, hidden: &[Scale]| -> Result<[Whole; 2]> {
-        let mut inputs = [token, token].concat();
-        inputs.extend(vec![OUTLOOKS; outlook]);
-        inputs.extend(vec![FEATURES; features]);
-        let of = |part: &str| format!("{name}_{part}");
-        let [weight, count] = [of("in.weight"), of("in.count_weight")];
-        Ok([
-            Whole::linear(
-                &[weights(&weight)?, weights(&count)?],
-                bias(&of("in.bias"))?,
-                &inputs,
-                Output::Bytes(hidden),
-            )?,
-            Whole::linear(
-                &[weights(&of("out.weight"))?],
-                bias(&of("out.bias"))?,
-                hidden,
-                Output::Wide,
-            )?,
-        ])
-    };
+    let head =
+        |name: &str, outlook: usize, features: usize, hidden: &[Scale]| -> Result<[Whole; 2]> {
+            let mut inputs = [token, token].concat();
+            inputs.extend(vec![OUTLOOKS; outlook]);
+            inputs.extend(vec![FEATURES; features]);
+            let of = |part: &str| format!("{name}_{part}");
+            let [weight, count] = [of("in.weight"), of("in.count_weight")];
+            Ok([
+                Whole::linear(
+                    &[weights(&weight)?, weights(&count)?],
+                    bias(&of("in.bias"))?,
+                    &inputs,
+                    Output::Bytes(hidden),
+                )?,
+                Whole::linear(
+                    &[weights(&of("out.weight"))?],
+                    bias(&of("out.bias"))?,
+                    hidden,
+                    Output::Wide,
+                )?,
+            ])
+        };
     let outlook = if shape.outlook { OUTLOOK } else { 0 };
     let candidate = head("head", outlook, DIRECTION + COUNT, scale("head"))?;
     let state = head("state", 0, COUNT, scale("state.hidden"))?;
@@ -455,8 +457,7 @@ impl Drawn {
         if reference.shape().embedding == 0 {
             return Ok(Self { sketches: Vec::new() });
         }
-        let (views, others) =
-            (state.views.len() / DIRECTION, state.candidates.len() / DIRECTION);
+        let (views, others) = (state.views.len() / DIRECTION, state.candidates.len() / DIRECTION);
         let cells = reference.runner(views, others, &["sketch"])?.run(state)?.remove(0);
         let sketches = cells.chunks_exact(soarnet::SKETCH).map(samples::sketch_of).collect();
         Ok(Self { sketches })

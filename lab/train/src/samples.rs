@@ -314,7 +314,8 @@ impl Batch {
         let blind = ask.augment && chance.random_bool(0.1);
         for (row, &count) in ask.counts.iter().enumerate() {
             if let Some(outlooks) = walk.outlooks.get(count - 1) {
-                let of = |view: &usize| outlooks[*view].map(|n| if blind { 0.0 } else { outlook(n) });
+                let of =
+                    |view: &usize| outlooks[*view].map(|n| if blind { 0.0 } else { outlook(n) });
                 self.outlooks[row].extend(candidates.iter().flat_map(of));
             }
             let state = row * self.objects + place;
@@ -452,7 +453,8 @@ impl Batch {
             state: Tensor::from_data(TensorData::new(state, [states, STATE]), device),
             sketches: (!self.sketches.is_empty()).then(|| {
                 let shape = [self.sketches.len() / SKETCH, SKETCH];
-                let cells: Vec<f32> = self.sketches.chunks_exact(SKETCH).flat_map(by_cell).collect();
+                let cells: Vec<f32> =
+                    self.sketches.chunks_exact(SKETCH).flat_map(by_cell).collect();
                 Tensor::from_data(TensorData::new(cells, shape), device)
             }),
         }
