@@ -55,7 +55,7 @@ impl Default for Recipe {
         Self {
             shape: Shape::default(),
             cumulative: false,
-            epochs: 40,
+            epochs: 36,
             batch: 8,
             rate: 1.5e-3,
             halved: false,
