@@ -443,6 +443,8 @@ pub struct Agreement {
     pub spearman: f64,
     /// Share of the steps in which both choose the same candidate.
     pub same_choice: f64,
+    /// The same where the reference is told the model's own outlooks: what the heads alone change.
+    pub same_choice_of_outlines: f64,
     /// States and objectives compared.
     pub steps: usize,
 }
@@ -494,7 +496,7 @@ pub fn agreement(
     let photos = reference.shape().embedding > 0;
     let steps = objects.iter().map(Object::steps).min().unwrap_or(0);
     let counts = *counts.start()..=steps.min(*counts.end());
-    let (mut sum, mut same, mut compared) = (0.0, 0usize, 0usize);
+    let (mut sum, mut same, mut same_of_outlines, mut compared) = (0.0, 0usize, 0usize, 0usize);
     let mut runners = BTreeMap::new();
     for object in objects {
         let views: Vec<usize> = object.walk(1).collect();
@@ -525,16 +527,23 @@ pub fn agreement(
                 Entry::Occupied(there) => there.into_mut(),
                 Entry::Vacant(none) => none.insert(reference.runner(count, others, &["ranks"])?),
             };
-            let outlooks = drawn.outlooks(object, &views[..count]);
-            let state = State { outlooks, ..batch.state(0, count) };
-            let float = runner.run(&state)?.remove(0);
+            let state = batch.state(0, count);
+            let told = |outlooks: Vec<f32>| -> Result<Vec<f32>> {
+                Ok(runner.run(&State { outlooks, ..state.clone() })?.remove(0))
+            };
+            let float = told(drawn.outlooks(object, &views[..count]))?;
+            let own = (0..others).filter_map(|other| scorer.outlook(other)).flatten();
+            let float_of_own = match photos {
+                true => told(own.map(|number| samples::outlook(number as i8)).collect())?,
+                false => float.clone(),
+            };
             let free: Vec<usize> =
                 (0..others).filter(|other| !views[..count].contains(other)).collect();
             for objective in 0..OBJECTIVES {
-                let a: Vec<f64> = free
-                    .iter()
-                    .map(|&other| float[other * OBJECTIVES + objective].into())
-                    .collect();
+                let of = |float: &[f32]| -> Vec<f64> {
+                    free.iter().map(|&other| float[other * OBJECTIVES + objective].into()).collect()
+                };
+                let a = of(&float);
                 let b: Vec<f64> = free
                     .iter()
                     .map(|&other| scorer.ranks(other).map_or(0.0, |ranks| ranks[objective].into()))
@@ -544,12 +553,18 @@ pub fn agreement(
                 };
                 sum += spearman(&b, &a).unwrap_or(1.0);
                 same += usize::from(first(&a) == first(&b));
+                same_of_outlines += usize::from(first(&of(&float_of_own)) == first(&b));
                 compared += 1;
             }
         }
     }
     let of = |sum: f64| sum / compared.max(1) as f64;
-    Ok(Agreement { spearman: of(sum), same_choice: of(same as f64), steps: compared })
+    Ok(Agreement {
+        spearman: of(sum),
+        same_choice: of(same as f64),
+        same_choice_of_outlines: of(same_of_outlines as f64),
+        steps: compared,
+    })
 }
 
 /// Writes a model file that appears whole or not at all.

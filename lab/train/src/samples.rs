@@ -206,6 +206,7 @@ pub struct Batch {
 }
 
 /// What the network is told of one state, n views and Z candidates.
+#[derive(Clone, Debug)]
 pub struct State {
     /// (n, 3, 64, 64), or empty.
     pub photos: Vec<f32>,
