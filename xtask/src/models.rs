@@ -9,7 +9,7 @@ use crate::workspace::{Workspace, cargo};
 
 /// What the networks learn from. Training looks at no validation views.
 const DATA: &str =
-    "dataset --objects 2000 --seed 1 --resolution 128 --trajectories 4 --validation-views 1";
+    "dataset --objects 2200 --seed 1 --resolution 128 --trajectories 6 --validation-views 1";
 
 /// The shipped network, the same without photos, and the paper's wording to compare with: the folder
 /// of each run, its preset, and the name of its files.
