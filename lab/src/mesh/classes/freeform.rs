@@ -280,7 +280,8 @@ fn vessel(wide: f32, tall: f32, wall: f32, belly: f32) -> [[(f32, f32); 5]; 2] {
 fn cabinet(m: &mut Maker) {
     let (walls, boards) = (m.covered(), m.covered());
     let (size, wall) = (lengths(m, 0.5, 1.2), m.between(0.02, 0.06));
-    let plank = |size: Vec3| block(size, 0.12, 0.7);
+    let cell = m.cell(0.12);
+    let plank = |size: Vec3| block(size, cell, 0.7);
     let open = [m.chance.below(6), m.chance.below(9)];
     for side in (0..6u32).filter(|side| !open.contains(side)) {
         let (axis, sign) = ((side / 2) as usize, 1.0 - 2.0 * (side % 2) as f32);

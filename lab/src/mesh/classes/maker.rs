@@ -15,6 +15,7 @@ pub(super) struct Maker {
     pub palette: Palette,
     object: Object,
     fineness: f32,
+    coarse: f32,
 }
 
 impl Maker {
@@ -22,12 +23,17 @@ impl Maker {
     pub fn new(mut chance: Chance, coarse: f32) -> Self {
         let palette = Palette::new(&mut chance);
         let fineness = chance.between(0.75, 1.2) * coarse;
-        Self { chance, palette, object: Object::default(), fineness }
+        Self { chance, palette, object: Object::default(), fineness, coarse }
     }
 
     /// A number of cells, more or fewer by how fine the object is; at least 3.
     pub fn cells(&self, usual: u32) -> u32 {
         ((usual as f32 * self.fineness + 0.5) as u32).max(3)
+    }
+
+    /// The side of a cell of flat parts, longer where the object is made coarser.
+    pub fn cell(&self, usual: f32) -> f32 {
+        usual / self.coarse
     }
 
     pub fn between(&mut self, low: f32, high: f32) -> f32 {
