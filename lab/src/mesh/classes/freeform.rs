@@ -438,16 +438,17 @@ fn scatter(m: &mut Maker) {
         m.add(covers[0], plate);
     }
     let clusters: Vec<Vec3> = (0..1 + m.chance.below(4)).map(|_| direction(m) * 0.6).collect();
+    let [n8, n10, n12, n16] = [8, 10, 12, 16].map(|usual| m.few_cells(usual));
     for _ in 0..14 + m.chance.below(30) {
         let near = clusters[m.chance.below(clusters.len() as u32) as usize];
         let size = m.between(0.06, 0.2);
         let p = near + direction(m) * m.between(0.1, 0.4);
         let at = if on_plate { Vec3::new(p.x, p.y * 0.8, size * m.between(0.4, 3.0)) } else { p };
         let thing = match m.chance.below(4) {
-            0 => ball(Vec3::splat(size), 12, 7),
+            0 => ball(Vec3::splat(size), n12, m.few_cells(7)),
             1 => cushion(Vec3::splat(1.6 * size), 0.15 * size, 2, 1),
-            2 => rod(Vec3::Z * -size, Vec3::Z * size, [size * 0.5, size * 0.5], 10, 2),
-            _ => patch(16, 8, Joined::Ring, |u, v| {
+            2 => rod(Vec3::Z * -size, Vec3::Z * size, [size * 0.5, size * 0.5], n10, 2),
+            _ => patch(n16, n8, Joined::Ring, |u, v| {
                 let ring = 1.0 + 0.35 * cos(v * TURN);
                 Vec3::new(ring * cos(u * TURN), ring * sin(u * TURN), 0.35 * sin(v * TURN)) * size
             }),

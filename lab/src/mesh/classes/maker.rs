@@ -31,6 +31,11 @@ impl Maker {
         ((usual as f32 * self.fineness + 0.5) as u32).max(3)
     }
 
+    /// A number of cells that is fewer only where the object is made coarser; at least 3.
+    pub fn few_cells(&self, usual: u32) -> u32 {
+        ((usual as f32 * self.coarse + 0.5) as u32).max(3)
+    }
+
     /// The side of a cell of flat parts, longer where the object is made coarser.
     pub fn cell(&self, usual: f32) -> f32 {
         usual / self.coarse
