@@ -76,7 +76,7 @@ impl Scale {
         // A channel that hardly ever speaks need not be heard finely.
         let widest = scales.iter().map(|scale| scale.scale).fold(0.0, f64::max);
         for scale in &mut scales {
-            scale.scale = scale.scale.max(widest / 64.0);
+            scale.scale = scale.scale.max(widest / 32.0);
         }
         scales
     }
