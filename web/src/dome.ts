@@ -1,104 +1,105 @@
-// The dome of candidate views as SVG: an orthographic picture from an adjustable side.
+// The dome of candidate views: an orthographic picture from an adjustable side.
 
-import type { Status } from "./messages.js";
-import { type Camera, type State, position } from "./state.js";
+import { type SVGTemplateResult, svg } from "lit-html";
+import type { Status } from "./core.js";
+import { type Vec3, position, unit } from "./geometry.js";
+import type { DomeSide } from "./state.js";
 
-export type Dot = {
-  index: number;
-  x: number; // to the right, in [-1, 1]
-  y: number; // downwards, in [-1, 1]
-  depth: number; // towards the viewer, in [-1, 1]
-  mark: Status | "next";
+export type Dot = { index: number; x: number; y: number; depth: number; mark: Status | "next" };
+
+/** What the dome shows: directions from the object, in the planner's coordinates. */
+export type DomeScene = {
+  candidates: Float32Array;
+  statuses: readonly Status[];
+  next: number | null;
+  /** Where photos were taken, in order. */
+  way: readonly Vec3[];
+  /** Where the camera is now; null where it is not known. */
+  here: Vec3 | null;
 };
 
-/** The directions of the candidates, seen from the camera's side, the farthest first, the next last. */
-export function dots(state: State): Dot[] {
-  const { poses, progress, camera } = state;
-  if (progress === null) return [];
-  const found = progress.statuses.map((status, index): Dot => {
-    const mark = progress.next?.index === index ? "next" : status;
-    return { index, mark, ...project(unit(position(poses, index)), camera) };
-  });
-  const isNext = (dot: Dot): number => (dot.mark === "next" ? 1 : 0);
-  return found.sort((a, b) => isNext(a) - isNext(b) || a.depth - b.depth || a.index - b.index);
-}
+/** Half the picture's width, where the dome's radius is 1. */
+export const RIM = 1.12;
 
-type Point = { x: number; y: number; depth: number };
-
-/** A point of the world, +Z up, on the picture plane. */
-export function project([x, y, z]: [number, number, number], camera: Camera): Point {
-  const [sa, ca] = [Math.sin(camera.azimuthRad), Math.cos(camera.azimuthRad)];
-  const [se, ce] = [Math.sin(camera.elevationRad), Math.cos(camera.elevationRad)];
+/** A direction on the picture plane: x to the right, y down, depth towards the viewer. */
+export function onPlane([x, y, z]: Vec3, side: DomeSide): { x: number; y: number; depth: number } {
+  const [sa, ca] = [Math.sin(side.azimuthRad), Math.cos(side.azimuthRad)];
+  const [se, ce] = [Math.sin(side.elevationRad), Math.cos(side.elevationRad)];
   const forward = x * ca + y * sa;
   return { x: y * ca - x * sa, y: -(z * ce - forward * se), depth: forward * ce + z * se };
 }
 
-function unit([x, y, z]: [number, number, number]): [number, number, number] {
-  const length = Math.hypot(x, y, z) || 1;
-  return [x / length, y / length, z / length];
+/** The candidates, the farthest first, the next view last. */
+export function dots({ candidates, statuses, next }: DomeScene, side: DomeSide): Dot[] {
+  const found = statuses.map((status, index): Dot => ({
+    index, mark: next === index ? "next" : status, ...onPlane(unit(position(candidates, index)), side),
+  }));
+  const isNext = (dot: Dot): number => (dot.mark === "next" ? 1 : 0);
+  return found.sort((a, b) => isNext(a) - isNext(b) || a.depth - b.depth || a.index - b.index);
 }
 
-const SVG = "http://www.w3.org/2000/svg";
+/** In words, for those who do not see it. */
+export function summary(scene: DomeScene): string {
+  const count = (mark: Status): number => scene.statuses.filter((status) => status === mark).length;
+  const parts = [`${scene.way.length} photos taken`, `${count("available")} places left`];
+  if (count("skipped") > 0) parts.push(`${count("skipped")} put off`);
+  if (count("blocked") > 0) parts.push(`${count("blocked")} out of reach`);
+  return `Dome of camera places around the object: ${parts.join(", ")}`;
+}
 
-/** Draws the dome anew. Selecting a view is left to `select`. */
-export function draw(place: HTMLElement, state: State): void {
-  const svg = element("svg", { viewBox: "-1.15 -1.15 2.3 2.3" });
-  svg.append(element("circle", { class: "horizon", r: "1" }));
-  svg.append(element("path", { class: "floor", d: ring(state.camera) }));
-  svg.append(way(state));
-  svg.append(element("rect", { class: "object", x: "-0.07", y: "-0.07", width: "0.14", height: "0.14" }));
-  for (const dot of dots(state)) {
-    const mark = dot.depth < 0 ? `${dot.mark} behind` : dot.mark;
-    const at = { class: `dot ${mark}`, transform: `translate(${dot.x.toFixed(4)} ${dot.y.toFixed(4)})` };
-    const sign =
-      dot.mark === "blocked"
-        ? element("path", { ...at, d: "M-.03-.03.03.03M.03-.03-.03.03" })
-        : element("circle", { ...at, r: dot.mark === "next" ? "0.06" : "0.035" });
-    sign.append(title(`view ${dot.index}: ${dot.mark}`));
-    svg.append(sign);
+export function dome(scene: DomeScene, side: DomeSide): SVGTemplateResult {
+  const half = RIM;
+  return svg`<svg class="dome" viewBox="${-half} ${-half} ${2 * half} ${2 * half}" role="img" aria-label=${summary(scene)}>
+    <path class="floor" d=${ring(side)} />
+    <circle class="horizon" r="1" />
+    <polyline class="way" points=${line([...scene.way, ...nextPlace(scene)], side)} />
+    ${dots(scene, side).map((dot) => sign(dot))}
+    ${scene.way.map((place) => taken(place, side))}
+    ${scene.here === null ? null : here(scene.here, side)}
+  </svg>`;
+}
+
+function nextPlace({ candidates, next }: DomeScene): Vec3[] {
+  return next === null ? [] : [unit(position(candidates, next))];
+}
+
+function sign({ x, y, depth, mark }: Dot): SVGTemplateResult | null {
+  const place = `translate(${x.toFixed(3)} ${y.toFixed(3)})`;
+  const name = `dot ${mark}${depth < 0 ? " behind" : ""}`;
+  switch (mark) {
+    case "next":
+      return svg`<g class=${name} transform=${place}><circle class="halo" r="0.13" /><circle r="0.065" /></g>`;
+    case "blocked":
+      return svg`<path class=${name} transform=${place} d="M-.025-.025.025.025M.025-.025-.025.025" />`;
+    case "visited":
+      return null; // Drawn where the photo was really taken.
+    case "available":
+    case "skipped":
+      return svg`<circle class=${name} transform=${place} r="0.022" />`;
   }
-  place.replaceChildren(svg);
-  place.setAttribute("aria-label", summary(state));
 }
 
-/** The horizon of the object as seen from the camera's side. */
-function ring(camera: Camera): string {
-  const points = Array.from({ length: 49 }, (_, step) => {
+function taken(place: Vec3, side: DomeSide): SVGTemplateResult {
+  const { x, y, depth } = onPlane(place, side);
+  return svg`<circle class="dot visited ${depth < 0 ? "behind" : ""}" cx=${x.toFixed(3)} cy=${y.toFixed(3)} r="0.042" />`;
+}
+
+function here(place: Vec3, side: DomeSide): SVGTemplateResult {
+  const { x, y } = onPlane(unit(place), side);
+  return svg`<g class="here" transform="translate(${x.toFixed(3)} ${y.toFixed(3)})"><circle r="0.075" /><path d="M-.12 0H.12M0-.12V.12" /></g>`;
+}
+
+function ring(side: DomeSide): string {
+  const places = Array.from({ length: 49 }, (_, step): Vec3 => {
     const turn = (step / 48) * 2 * Math.PI;
-    const { x, y } = project([Math.cos(turn), Math.sin(turn), 0], camera);
-    return `${x.toFixed(3)} ${y.toFixed(3)}`;
+    return [Math.cos(turn), Math.sin(turn), 0];
   });
-  return `M${points.join("L")}Z`;
+  return `M${line(places, side).replaceAll(" ", "L")}Z`;
 }
 
-/** The line through the views taken, to the next one. */
-function way(state: State): SVGElement {
-  const { progress, poses, camera } = state;
-  const stops = progress === null ? [] : [...progress.views];
-  if (progress?.next) stops.push(progress.next.index);
-  const points = stops.map((index) => {
-    const { x, y } = project(unit(position(poses, index)), camera);
-    return `${x.toFixed(3)},${y.toFixed(3)}`;
-  });
-  return element("polyline", { class: "way", points: points.join(" ") });
-}
-
-function summary(state: State): string {
-  const count = (mark: Dot["mark"]): number => dots(state).filter((dot) => dot.mark === mark).length;
-  return (
-    `${state.progress?.statuses.length ?? 0} views around the object: ${count("visited")} taken, ` +
-    `${count("skipped")} skipped, ${count("blocked")} out of reach`
-  );
-}
-
-function element(name: string, attributes: Record<string, string>): SVGElement {
-  const made = document.createElementNS(SVG, name);
-  for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
-  return made;
-}
-
-function title(text: string): SVGElement {
-  const made = element("title", {});
-  made.textContent = text;
-  return made;
+function line(places: readonly Vec3[], side: DomeSide): string {
+  return places
+    .map((place) => onPlane(place, side))
+    .map(({ x, y }) => `${x.toFixed(3)},${y.toFixed(3)}`)
+    .join(" ");
 }

@@ -1,96 +1,65 @@
-// The page's logic without a page.
+import { expect, it } from "vitest";
+import type { CaptureView } from "../src/messages.js";
+import { type State, canTake, initial, next } from "../src/state.js";
+import { isSoft } from "../src/view/review.js";
+import { instruction } from "../src/view/camera.js";
+import { lookingAt } from "../src/geometry.js";
+import { record } from "./record.js";
 
-import { expect, test } from "vitest";
-import { dots, project } from "../src/dome.js";
-import { order } from "../src/form.js";
-import type { Progress } from "../src/messages.js";
-import { type State, direction, guidance, initial, next } from "../src/state.js";
-import { fromText, toText } from "../src/storage.js";
-import { transforms } from "../src/transforms.js";
-
-/** A pose at a place; its rotation does not matter here. */
-const at = (x: number, y: number, z: number): number[] => [1, 0, 0, x, 0, 1, 0, y, 0, 0, 1, z];
-
-const progress: Progress = {
-  statuses: ["visited", "available", "blocked"],
-  views: [0],
-  viewPoses: new Float32Array(at(1, 0, 0)),
-  next: { index: 1, pose: new Float32Array(at(0, -1, 1)), gainM: 1, reason: "farthest", why: "it is far" },
-  finish: null,
-  tour: { order: [0], lengthRad: 0 },
-  snapshot: new Uint8Array(),
-};
-const planned: State = {
-  ...initial,
-  run: 2,
-  poses: new Float32Array([...at(1, 0, 0), ...at(0, -1, 1), ...at(0, 0, 1)]),
-  budget: 3,
-  progress,
-};
-
-test("an answer to an abandoned plan changes nothing", () => {
-  const reply = { type: "refused", run: 1, code: "bad-plan", message: "no" } as const;
-  expect(next(planned, { type: "replied", reply })).toBe(planned);
+const viewOf = (numbers: number[]): CaptureView => ({
+  record: {
+    ...record("mine"),
+    photos: numbers.map((number) => ({
+      number, file: `${number}.png`, bytes: 9, takenAt: "", candidate: number, pose: [...lookingAt([3, 0, 0], [0, 0, 0])],
+      source: "simulated", scores: null, gain: null, reason: "coverage",
+    })),
+  },
+  candidates: new Float32Array(), statuses: [], finish: null, progress: null, curves: null, rivalPoses: null, room: null,
+  next: { index: 3, pose: lookingAt([0, 3, 0], [0, 0, 0]), gain: 0.1, reason: "coverage" },
 });
 
-test("a refusal is shown and ends the waiting; asking again clears it", () => {
-  const reply = { type: "refused", run: 2, code: "bad-plan", message: "no" } as const;
-  const refused = next(next(planned, { type: "asked" }), { type: "replied", reply });
-  expect(refused).toMatchObject({ error: "no", waiting: false, progress });
-  expect(next(refused, { type: "asked" })).toMatchObject({ error: null, waiting: true });
-  expect(next(refused, { type: "asked-anew" })).toMatchObject({ run: 3, error: null });
+const after = (state: State, ...events: Parameters<typeof next>[1][]): State => events.reduce(next, state);
+
+it("what was derived from other photos goes when photos come or go", () => {
+  const parcel = { url: "blob:x", name: "a.zip", photos: 2, checks: [], size: 1 };
+  const state = after(
+    initial, { type: "captured", view: viewOf([1, 2]) }, { type: "pictured", number: 1, url: "a" }, { type: "pictured", number: 2, url: "b" },
+    { type: "ranked", order: [2, 1] }, { type: "packed", parcel }, { type: "selected", number: 2 },
+  );
+  const same = next(state, { type: "captured", view: viewOf([1, 2]) });
+  expect([same.parcel, same.best?.count]).toEqual([parcel, 2]);
+  const fewer = next(state, { type: "captured", view: viewOf([1]) });
+  expect([fewer.parcel, fewer.best, fewer.selected]).toEqual([null, null, null]);
+  expect([...fewer.thumbnails.keys()]).toEqual([1]);
 });
 
-test("the dome turns all the way round but not over", () => {
-  const up = next(planned, { type: "turned", azimuthRad: 9, elevationRad: 9 });
-  expect(up.camera.elevationRad).toBe(Math.PI / 2);
-  expect(Math.abs(up.camera.azimuthRad)).toBeLessThan(2 * Math.PI);
+it("a photo can be taken only while nothing else is done", () => {
+  const state = next(initial, { type: "captured", view: viewOf([]) });
+  expect(canTake(state)).toBe(true);
+  expect(canTake(next(state, { type: "began", what: "Something" }))).toBe(false);
+  expect(canTake(initial)).toBe(false);
 });
 
-test("guidance says where and why, or why not", () => {
-  expect(guidance(planned)).toBe("View 1: 270° around, 45° above the horizon. Why: it is far.");
-  const done = { ...planned, progress: { ...progress, next: null, finish: "nothing-left" as const } };
-  expect(guidance(done)).toContain("out of reach");
-  expect(guidance(initial)).toBe("Preparing…");
+it("going elsewhere closes messages; the dome does not turn over", () => {
+  const state = after(initial, { type: "noticed", notice: { level: "error", text: "no" } }, { type: "went", screen: "review" });
+  expect(state.notice).toBeNull();
+  expect(next(state, { type: "turned", azimuthRad: 0, elevationRad: 9 }).dome.elevationRad).toBe(Math.PI / 2);
 });
 
-test("directions are degrees around from +X and above the horizon", () => {
-  expect(direction(at(0, 2, 0))).toEqual({ azimuthDeg: 90, elevationDeg: 0 });
-  expect(direction(at(0, 0, -1)).elevationDeg).toBe(-90);
+it("a photo is soft beside sharper ones, and none without knowledge", () => {
+  const { photos } = viewOf([1, 2, 3]).record;
+  const [one, two, three] = photos.map((photo, i) => ({ ...photo, quality: { sharpness: [1, 0.9, 0.1][i] ?? 0, meanLuma: 99, darkShare: 0, brightShare: 0 } }));
+  if (!one || !two || !three) throw new Error("three photos are due");
+  expect([one, two, three].map((photo) => isSoft(photo, [one, two, three]))).toEqual([false, false, true]);
+  expect(photos.some((photo) => isSoft(photo, photos))).toBe(false);
 });
 
-test("seen from +X, +Y is to the right and +Z up", () => {
-  const camera = { azimuthRad: 0, elevationRad: 0 };
-  expect(project([0, 1, 0], camera)).toMatchObject({ x: 1 });
-  expect(project([0, 0, 1], camera).y).toBe(-1);
-  expect(project([1, 0, 0], camera).depth).toBe(1);
-  const above = { azimuthRad: 0, elevationRad: Math.PI / 2 };
-  expect(project([0, 0, 1], above).depth).toBeCloseTo(1);
-  expect(project([1, 0, 0], above).y).toBeCloseTo(1);
-});
-
-test("the nearest dots are drawn last, and the next view on top of all", () => {
-  const drawn = dots({ ...planned, camera: { azimuthRad: 0, elevationRad: 0 } });
-  expect(drawn.map((dot) => dot.mark)).toEqual(["blocked", "visited", "next"]);
-});
-
-test("fields become a plan in radians and metres", () => {
-  const fields: Record<string, string> = {
-    space: "rings", count: "60", radiusM: "0.5", scheme: "random", budget: "9", seed: "4",
-  };
-  const asked = order((name) => fields[name] ?? "");
-  expect(asked).toMatchObject({ count: 60, radiusM: 0.5, plan: { scheme: "random", budget: 9, seed: 4 } });
-  expect(asked.space).toMatchObject({ kind: "rings", rings: 3 });
-  expect(order(() => "").count).toBeNaN();
-});
-
-test("transforms.json has a 4 x 4 matrix and a name for each photo, in order", () => {
-  const { frames } = transforms(new Float32Array([...at(1, 2, 3), ...at(4, 5, 6)]));
-  expect(frames.map((frame) => frame.file_path)).toEqual(["images/0001.jpg", "images/0002.jpg"]);
-  expect(frames[1]?.transform_matrix).toEqual([[1, 0, 0, 4], [0, 1, 0, 5], [0, 0, 1, 6], [0, 0, 0, 1]]);
-});
-
-test("bytes survive the way through text", () => {
-  const bytes = Uint8Array.from({ length: 256 }, (_, value) => value);
-  expect(fromText(toText(bytes))).toEqual(bytes);
+it("the camera's one line says the way, and to hold still", () => {
+  const view = viewOf([]);
+  const pose = lookingAt([3, 0, 0], [0, 0, 0]);
+  const tracked = { width: 1, height: 1, corners: [], pose, rmsPx: 0, isAmbiguous: false, lens: null, lensSource: "assumed" as const, quality: null };
+  const guide = { target: { x: 0, y: 0 }, toGoRad: 1, isInZone: false, hints: [], isReady: false };
+  expect(instruction(view, { ...initial.live, tracked, guide })).toBe("Move 90° to the right");
+  expect(instruction(view, { ...initial.live, tracked, guide: { ...guide, isInZone: true, isReady: true } })).toBe("Hold still…");
+  expect(instruction(view, { ...initial.live, tracked: { ...tracked, pose: null }, guide })).toBe("Point at the board");
 });
