@@ -2,6 +2,7 @@
 
 import { render } from "lit-html";
 import { App } from "./app.js";
+import { dropped } from "./drop.js";
 import { view } from "./view/view.js";
 
 const root = document.querySelector<HTMLElement>("#app");
@@ -19,7 +20,7 @@ for (const name of ["online", "offline"]) {
 window.addEventListener("dragover", (event) => event.preventDefault());
 window.addEventListener("drop", (event) => {
   event.preventDefault();
-  void import("./drop.js").then(({ dropped }) => dropped(event.dataTransfer)).then(app.take, app.say.bind(app));
+  dropped(event.dataTransfer).then(app.take, (error: unknown) => app.say(error));
 });
 
 window.addEventListener("keydown", (event) => {

@@ -31,11 +31,11 @@ Developer tasks of Vantage. Usage: cargo xtask <task>
   test [--quick] [--list] [STEP…]  run what CI runs: all steps, or those whose names begin so;
                                    --quick leaves out the slow ones, --list only names them
   setup                            obtain what the tasks need: Rust targets and components, QEMU,
-                                   Node; says in one message what is still missing
+                                   Node, Chromium; says in one message what is still missing
   golden                           record the scene of tests/same-plan anew and rewrite its text
   firmware                         build the Cortex-M firmware and run it in QEMU
   wasm                             build the WebAssembly package into web/src/wasm
-  serve [PORT]                     build the page and serve it on 127.0.0.1 (default port 8080)
+  serve [PORT]                     build the page and serve it on localhost (default port 8080)
   models [--real DIR]              train the shipped networks again from nothing, under three hours on
                                    two cores; with a folder of GLB files, measure them and write
                                    lab/MODEL_CARD.md

@@ -12,6 +12,7 @@ use anyhow::{Context, Result};
 use crate::cli;
 use crate::command;
 use crate::test::Outcome;
+use crate::web;
 use crate::workspace::{Workspace, cargo};
 
 const FOLDER: &str = "tests/readers";
@@ -21,17 +22,31 @@ struct Reader {
     name: &'static str,
     /// What pip is told besides the requirements.
     pip: &'static [&'static str],
-    /// For each run the folders it is given, below the one that [`write_folders`] fills.
+    /// For each run the folders it is given, below the one that is written for it.
     runs: &'static [&'static [&'static str]],
+    /// Whether it also shows that it finds faults, in the folders of its first run.
+    shows_faults: bool,
 }
 
 /// Every reader of folders. To add one, add a line.
 const READERS: &[Reader] = &[
-    Reader { name: "colmap", pip: &[], runs: &[&["trainer"], &["planned"]] },
+    Reader { name: "colmap", pip: &[], runs: &[&["trainer"], &["planned"]], shows_faults: true },
     Reader {
         name: "nerfbaselines",
         pip: &["--no-deps"],
         runs: &[&["trainer", "synthetic"], &["planned", "synthetic"]],
+        shows_faults: true,
+    },
+];
+
+/// The same for the folder that the page saved.
+const PAGE_READERS: &[Reader] = &[
+    Reader { name: "colmap", pip: &[], runs: &[&["toy-engine"]], shows_faults: false },
+    Reader {
+        name: "nerfbaselines",
+        pip: &["--no-deps"],
+        runs: &[&["toy-engine", "synthetic"]],
+        shows_faults: false,
     },
 ];
 
@@ -39,11 +54,23 @@ const READERS: &[Reader] = &[
 const PYTHONS: [&str; 2] = ["3.11", "3.12"];
 
 /// The reader of networks: apart, since writing one takes a deep-learning library.
-const ONNX: Reader = Reader { name: "onnx", pip: &[], runs: &[&["."]] };
+const ONNX: Reader = Reader { name: "onnx", pip: &[], runs: &[&["."]], shows_faults: true };
 
 /// Writes folders, and has them read.
 pub fn test(workspace: &Workspace) -> Result<Outcome> {
     read(workspace, READERS, write_folders)
+}
+
+/// The same for the folder that step `page` has left.
+pub fn test_page(workspace: &Workspace) -> Result<Outcome> {
+    if !web::browser_output(workspace).join("toy-engine").exists() {
+        return Ok(Outcome::Skipped("step `page` has saved nothing".into()));
+    }
+    read(workspace, PAGE_READERS, |workspace| {
+        let out = web::browser_output(workspace);
+        write_samples(workspace, &out)?;
+        Ok(out)
+    })
 }
 
 /// The same for the reader of networks; `write` makes the folder that it is given.
@@ -72,9 +99,10 @@ fn read(
     }
     let folders = write(workspace)?;
     for (reader, environment) in readers.iter().zip(environments) {
-        // Faults are planted in the sample folders only: once is enough.
+        // Faults are planted in one run's folders only: once is enough.
         let plain = reader.runs.iter().map(|run| (None, *run));
-        let planted = reader.runs.first().map(|run| (Some("--self-test"), *run));
+        let planted = reader.runs.first().filter(|_| reader.shows_faults);
+        let planted = planted.map(|run| (Some("--self-test"), *run));
         for (mode, run) in plain.chain(planted) {
             let mut check = command::new(&workspace.root, &environment);
             check.arg(format!("{FOLDER}/check_{}.py", reader.name)).args(mode);
@@ -91,13 +119,24 @@ fn write_folders(workspace: &Workspace) -> Result<PathBuf> {
         fs::remove_dir_all(&out)?;
     }
     fs::create_dir_all(&out)?;
-    let mut example = command::new(&workspace.root, cargo());
-    example.args(["run", "--quiet", "--package", "vantage-lab", "--example", "sample_folders"]);
-    command::run(example.arg("--").arg(&out))?;
+    write_samples(workspace, &out)?;
     let mut plan = command::new(&workspace.root, cli::build(workspace)?);
     plan.args(["plan", "--candidates", "40", "--budget", "12", "--size", "128", "--out"]);
     command::run(plan.arg(out.join("planned")).stdout(Stdio::null()))?;
     Ok(out)
+}
+
+/// `trainer` and `synthetic`; those that are there already are replaced.
+fn write_samples(workspace: &Workspace, out: &Path) -> Result<()> {
+    for name in ["trainer", "synthetic"] {
+        let folder = out.join(name);
+        if folder.exists() {
+            fs::remove_dir_all(folder)?;
+        }
+    }
+    let mut example = command::new(&workspace.root, cargo());
+    example.args(["run", "--quiet", "--package", "vantage-lab", "--example", "sample_folders"]);
+    command::run(example.arg("--").arg(out))
 }
 
 /// A Python of a version that the readers have wheels for.

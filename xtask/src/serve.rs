@@ -28,13 +28,24 @@ pub fn serve(folder: &Path, port: u16) -> Result<()> {
     let folder = folder.canonicalize().context("the page is not built")?;
     let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port))
         .with_context(|| format!("port {port} cannot be opened; name another one"))?;
-    println!("http://{} serves {}; Ctrl-C ends it", listener.local_addr()?, folder.display());
+    println!("http://localhost:{port} serves {}; Ctrl-C ends it", folder.display());
+    println!("{}", on_a_phone(port));
     for stream in listener.incoming().flatten() {
         let folder = folder.clone();
         // A browser that goes away in the middle is no reason to stop.
         thread::spawn(move || answer(stream, &folder).ok());
     }
     Ok(())
+}
+
+/// How a phone reaches the page: browsers give a camera to secure addresses only, and `localhost` is
+/// one.
+fn on_a_phone(port: u16) -> String {
+    format!(
+        "On an Android phone by USB: `adb reverse tcp:{port} tcp:{port}`, then http://localhost:{port} \
+         there.\nOn any other phone: put the folder, as it is, on any https host; it needs no server \
+         of its own."
+    )
 }
 
 fn answer(stream: TcpStream, folder: &Path) -> Result<()> {

@@ -1,7 +1,7 @@
 //! What the tasks need beyond cargo: whether it is here, how it is obtained, what to say if not.
 
 use std::env;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::command;
 use crate::toolchain::{self, Target};
@@ -26,6 +26,8 @@ pub enum Need {
     Npm,
     /// Python with venv, for other people's readers of our files.
     Python,
+    /// A browser, for the page.
+    Chromium,
 }
 
 /// The oldest Node that the page's tools (`web/package.json`, `engines`) accept.
@@ -33,7 +35,7 @@ const NODE_FOR_PAGE: (u32, u32) = (20, 19);
 
 impl Need {
     /// Every need, in the order of messages.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Rustfmt,
         Self::Clippy,
         Self::Wasm32,
@@ -42,6 +44,7 @@ impl Need {
         Self::Node,
         Self::Npm,
         Self::Python,
+        Self::Chromium,
     ];
 
     /// What it is called in messages.
@@ -55,6 +58,7 @@ impl Need {
             Self::Node => "Node (18 or later)",
             Self::Npm => "npm with Node 20.19 or later",
             Self::Python => "python3 with venv",
+            Self::Chromium => "Chromium or Chrome",
         }
     }
 
@@ -75,6 +79,7 @@ impl Need {
             Self::Node => "apt-get install nodejs, or an installer from nodejs.org",
             Self::Npm => "an installer from nodejs.org, or your system's Node and npm packages",
             Self::Python => "apt-get install python3 python3-venv",
+            Self::Chromium => "apt-get install chromium, or an installer from google.com/chrome",
         }
     }
 
@@ -98,6 +103,7 @@ impl Need {
                     && run("npm", &["--version"])
             }
             Self::Python => run("python3", &["-c", "import venv, ensurepip"]),
+            Self::Chromium => chromium().is_some(),
         }
     }
 
@@ -108,7 +114,7 @@ impl Need {
             Self::Clippy => Some(["component", "add", "clippy"]),
             Self::Wasm32 => Some(["target", "add", Target::Wasm32.triple()]),
             Self::Thumbv7em => Some(["target", "add", Target::Thumbv7em.triple()]),
-            Self::Qemu | Self::Node | Self::Npm | Self::Python => None,
+            Self::Qemu | Self::Node | Self::Npm | Self::Python | Self::Chromium => None,
         }
     }
 
@@ -123,8 +129,21 @@ impl Need {
             Self::Npm if node_version().is_some_and(|found| found >= NODE_FOR_PAGE) => &["npm"],
             Self::Npm => &[],
             Self::Python => &["python3", "python3-venv"],
+            Self::Chromium => &["chromium"],
         }
     }
+}
+
+/// The browser's program, by whichever of its names it goes here.
+pub fn chromium() -> Option<PathBuf> {
+    let names = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
+    let folders: Vec<PathBuf> = env::split_paths(&env::var_os("PATH")?).collect();
+    names.iter().flat_map(|name| folders.iter().map(move |folder| folder.join(name))).find(
+        |program| {
+            program.is_file()
+                && command::succeeds(command::new(Path::new("."), program).arg("--version"))
+        },
+    )
 }
 
 /// Node's major and minor version.

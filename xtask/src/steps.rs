@@ -144,6 +144,20 @@ pub const STEPS: &[Step] = &[
         needs: &[Need::Wasm32, Need::Npm],
         run: web::test,
     },
+    Step {
+        name: "page",
+        about: "the built page in Chromium: captures, bad input, offline, accessibility",
+        slow: true,
+        needs: &[Need::Wasm32, Need::Npm, Need::Chromium],
+        run: web::test_in_browser,
+    },
+    Step {
+        name: "page-readers",
+        about: "other people's programs read what the page has saved",
+        slow: true,
+        needs: &[Need::Python],
+        run: readers::test_page,
+    },
 ];
 
 fn run_cargo(workspace: &Workspace, arguments: &[&str]) -> Result<Outcome> {

@@ -51,8 +51,8 @@ function card(photo: PhotoRecord, view: CaptureView, state: State, app: App): Te
   return html`<li class="card ${isLeftOut ? "leftout" : ""} ${isOpen ? "open" : ""}">
     <button type="button" class="face" aria-expanded=${isOpen} aria-label="Photo ${photo.number}, ${gainWords(photo)}${isBlurred ? ", soft" : ""}" @click=${() => app.dispatch({ type: "selected", number: isOpen ? null : photo.number })}>
       ${thumbnail(state, photo.number)}
-      <span class="tag">${photo.number}</span>
-      ${rank >= 0 && !isLeftOut ? html`<span class="tag rank">best ${rank + 1}</span>` : nothing}
+      <span class="tag" aria-hidden="true">${photo.number}</span>
+      ${rank >= 0 && !isLeftOut ? html`<span class="tag rank" aria-hidden="true">best ${rank + 1}</span>` : nothing}
     </button>
     <p>${gainWords(photo)}${isBlurred ? html` <span class="soft">soft</span>` : nothing}</p>
     ${isOpen ? details(photo, state, app) : nothing}
