@@ -190,9 +190,15 @@ impl Plan {
         Self { start_views: 0, ..Self::new(Scheme::Random, budget) }
     }
 
-    /// Another way to the first [`START_VIEWS`](Self::START_VIEWS) views.
+    /// Another way to the first views.
     pub fn with_start(self, start: Start) -> Self {
         Self { start, ..self }
+    }
+
+    /// Another number of first views than [`START_VIEWS`](Self::START_VIEWS); photos taken before the
+    /// session may serve as them.
+    pub fn with_start_views(self, start_views: usize) -> Self {
+        Self { start_views, ..self }
     }
 
     /// Another seed for what is left to chance: the first view, and the random scheme.
