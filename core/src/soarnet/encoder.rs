@@ -13,8 +13,8 @@
 //! With the default sizes this takes 4.7 million multiplications. Two buffers suffice: a stage reads
 //! its map from one and leaves the next in the other.
 
-use super::image::{COVER, DETAIL, INPUT, Image, SIDE, SKETCH, Window};
-use super::model::{CELL, Model, StageLayers};
+use super::image::{CELL, DETAIL, INPUT, Image, SIDE, SKETCH, Window, places_in_sketch};
+use super::model::{Model, StageLayers};
 use crate::kernels::{add_residual, convolve, fully_connected};
 
 const LARGE: usize = 32 * 32 * 16;
@@ -69,13 +69,10 @@ impl Model<'_> {
         let [first, second, third] = &encoder.stages;
         run(first, 32, encoder.stem.zero, large, small);
         run(second, 16, first.sum.zero, small, large);
-        for (place, pixel) in large.chunks_exact(c2.max(1)).take(DETAIL * DETAIL).enumerate() {
-            let mut cell = [0; CELL];
-            fully_connected(&encoder.sketch, pixel, &mut cell);
-            let cover = 2 * (place / DETAIL) * COVER + 2 * (place % DETAIL);
-            let places =
-                [cover, cover + 1, cover + COVER, cover + COVER + 1, COVER * COVER + place];
-            for (place, value) in places.into_iter().zip(cell) {
+        for (cell, pixel) in large.chunks_exact(c2.max(1)).take(DETAIL * DETAIL).enumerate() {
+            let mut values = [0; CELL];
+            fully_connected(&encoder.sketch, pixel, &mut values);
+            for (place, value) in places_in_sketch(cell).into_iter().zip(values) {
                 if let Some(number) = sketch.get_mut(place) {
                     *number = value;
                 }

@@ -66,7 +66,8 @@ mod scorer;
 
 pub use encoder::{Impression, Scratch};
 pub use image::{
-    COVER, DETAIL, INPUT, Image, ImageError, LONGEST_WINDOW, Pixels, SIDE, SKETCH, Window,
+    CELL, COVER, DETAIL, INPUT, Image, ImageError, LONGEST_WINDOW, Pixels, SIDE, SKETCH, Window,
+    places_in_sketch,
 };
 pub use memory::{Fixed, Lists, ListsMut, Memory};
 pub use model::{

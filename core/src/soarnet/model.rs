@@ -7,6 +7,7 @@
 use core::fmt;
 
 use super::features::{COUNT, DIRECTION, RELATION};
+use super::image::CELL;
 use super::outlook::OUTLOOK;
 use crate::checksum::CRC;
 use crate::kernels::{Addition, LARGEST_ADDITION, Linear, padded};
@@ -74,9 +75,6 @@ impl Shape {
         4 + self.rows * (8 + padded(self.columns))
     }
 }
-
-/// Numbers that a sketch tells of a cell of 8 x 8 pixels.
-pub(super) const CELL: usize = 5;
 
 /// Bytes of the sum of two maps in the file.
 const ADDITION: usize = 12;
