@@ -23,10 +23,8 @@ use super::{Addition, EDGE, GROUP, Grid, Linear, MAX_CHANNELS, Order, Rows, Tile
 
 pub use scalar::fully_connected_wide;
 
-/// Rows whose sums [`fully_connected`] keeps at once.
-const SUMS: usize = 128;
-/// Columns that [`accumulate`] widens at once.
-const WIDENED: usize = 288;
+/// Columns that are widened at once, 2 KiB of stack.
+const WIDENED: usize = 1024;
 
 /// Adds a part of a linear map, without its bias. As [`scalar::accumulate`].
 pub fn accumulate(map: &Linear<'_>, first: usize, input: &[i8], sums: &mut [i32]) {
@@ -81,18 +79,35 @@ pub fn requantize_all(map: &Linear<'_>, sums: &[i32], output: &mut [i8]) {
 
 /// A fully connected layer. As [`scalar::fully_connected`].
 pub fn fully_connected(map: &Linear<'_>, input: &[i8], output: &mut [i8]) {
-    let parts = map.bias.chunks(SUMS).zip(map.multipliers.chunks(SUMS));
-    let tiles = map.weights.chunks(SUMS / EDGE * map.stride());
-    for (((bias, multipliers), weights), output) in parts.zip(tiles).zip(output.chunks_mut(SUMS)) {
-        let part = Linear { weights, bias, multipliers, ..*map };
-        let mut sums = [0; SUMS];
-        for (sum, bias) in sums.iter_mut().zip(bias) {
-            *sum = i32::from_le_bytes(*bias);
-        }
-        let sums = sums.get_mut(..bias.len()).unwrap_or_default();
-        accumulate(&part, 0, input, sums);
-        requantize_all(&part, sums, output);
+    let (rows, stride) = (map.bias.len(), map.stride());
+    let fits = is_aligned(map)
+        && is_whole(map, map.columns)
+        && (1..=WIDENED).contains(&input.len())
+        && output.len() >= rows;
+    if !fits {
+        return scalar::fully_connected(map, input, output);
     }
+    let count = input.len().div_ceil(EDGE).min(stride);
+    let mut buffer = MaybeUninit::<[u32; WIDENED / 2]>::uninit();
+    let dense = Dense {
+        input: buffer.as_ptr().cast(),
+        eights: 8 * (count / 8 * 8),
+        twos: 8 * (count / 2 * 2),
+        all: 8 * count,
+        rest: size_of::<Tile>() * (stride - count),
+        bias: map.bias.as_ptr(),
+        multipliers: map.multipliers.as_ptr(),
+        output: output.as_mut_ptr(),
+        blocks: rows / EDGE,
+        zero: map.zero.into(),
+    };
+    // SAFETY: the buffer holds `WIDENED` numbers, and `count` groups of four are no more. Map and
+    // output are whole and the map is aligned.
+    unsafe {
+        widen(input, buffer.as_mut_ptr().cast(), count);
+        dense_rows(map.weights.as_ptr(), &dense);
+    }
+    cut(output.get_mut(..rows).unwrap_or_default(), map.low);
 }
 
 /// A fully connected layer of every pixel by itself. As [`scalar::pointwise`].
@@ -309,7 +324,9 @@ fn cut(values: &mut [i8], low: i8) {
 
 /// Whether the lists lie where `ldrd` and `ldm` can read them.
 fn is_aligned(map: &Linear<'_>) -> bool {
-    map.weights.as_ptr().addr().is_multiple_of(4)
+    let lists =
+        [map.weights.as_ptr().addr(), map.bias.as_ptr().addr(), map.multipliers.as_ptr().addr()];
+    lists.iter().all(|address| address.is_multiple_of(4))
 }
 
 /// Whether all tiles of all rows are there, for so many columns, and the rows are whole blocks.
@@ -703,6 +720,65 @@ two!(two_single, 16, "0,8", "", "1");
 two!(two_colours_of_one, 20, "0,8,16,24,32,40,48", "56", "0");
 two!(two_colours_of_two, 40, "0,8,16,24,32,40,48", "56", "0");
 
+/// The sums of four rows, of as many tiles as there are groups of four inputs. With the tiles in r0, the
+/// inputs in r1, and their ends after eights, twos and all tiles from [sp] on; gives R and S of rows 0
+/// and 1 in r4 and r5, of rows 2 and 3 in r6 and r7. A step of eight columns takes 27 instructions for
+/// 32 products.
+macro_rules! dot {
+    ($before:literal, $after:literal) => {
+        concat!(
+            ".macro vantage_dot low, high\n",
+            "ldm r0!, {{r8-r11}}\n",
+            "smlad r4, r8, \\low, r4\n",
+            "smlad r6, r10, \\low, r6\n",
+            "smlad r4, r9, \\high, r4\n",
+            "smlad r6, r11, \\high, r6\n",
+            "sxtb16 r8, r8\n",
+            "sxtb16 r9, r9\n",
+            "sxtb16 r10, r10\n",
+            "sxtb16 r11, r11\n",
+            "smlad r5, r8, \\low, r5\n",
+            "smlad r7, r10, \\low, r7\n",
+            "smlad r5, r9, \\high, r5\n",
+            "smlad r7, r11, \\high, r7\n",
+            ".endm\n",
+            $before,
+            "ldr r2, [sp]\n",
+            "cmp r1, r2\n",
+            "beq 3f\n",
+            "2:\n",
+            ".rept 4\n",
+            "ldm r1!, {{r2, r3, r12, lr}}\n",
+            "vantage_dot r2, r3\n",
+            "vantage_dot r12, lr\n",
+            ".endr\n",
+            "ldr r2, [sp]\n",
+            "cmp r1, r2\n",
+            "bne 2b\n",
+            "3:\n",
+            "ldr r2, [sp, #4]\n",
+            "cmp r1, r2\n",
+            "beq 5f\n",
+            "4:\n",
+            "ldm r1!, {{r2, r3, r12, lr}}\n",
+            "vantage_dot r2, r3\n",
+            "vantage_dot r12, lr\n",
+            "ldr r2, [sp, #4]\n",
+            "cmp r1, r2\n",
+            "bne 4b\n",
+            "5:\n",
+            "ldr r2, [sp, #8]\n",
+            "cmp r1, r2\n",
+            "beq 6f\n",
+            "ldrd r2, r3, [r1]\n",
+            "vantage_dot r2, r3\n",
+            "6:\n",
+            $after,
+            ".purgem vantage_dot\n",
+        )
+    };
+}
+
 /// Adds to the sums of four rows the products of `count` tiles with as many groups of four inputs.
 ///
 /// # Safety
@@ -715,74 +791,103 @@ unsafe extern "C" fn dot(
     _count: usize,
     _sums: &mut [i32; EDGE],
 ) {
-    // R and S of rows 0 and 1 in r4 and r5, of rows 2 and 3 in r6 and r7.
-    naked_asm!(
-        ".macro vantage_dot low, high",
-        "ldm r0!, {{r8-r11}}",
-        "smlad r4, r8, \\low, r4",
-        "smlad r6, r10, \\low, r6",
-        "smlad r4, r9, \\high, r4",
-        "smlad r6, r11, \\high, r6",
-        "sxtb16 r8, r8",
-        "sxtb16 r9, r9",
-        "sxtb16 r10, r10",
-        "sxtb16 r11, r11",
-        "smlad r5, r8, \\low, r5",
-        "smlad r7, r10, \\low, r7",
-        "smlad r5, r9, \\high, r5",
-        "smlad r7, r11, \\high, r7",
-        ".endm",
-        "push {{r3-r11, lr}}",
-        "add r3, r0, r2, lsl #4", // behind the tiles
-        "bic r4, r2, #1",
-        "add r4, r0, r4, lsl #4", // behind those in twos
-        "bic r2, r2, #7",
-        "add r2, r0, r2, lsl #4", // behind those in eights
-        "push {{r2-r4}}",
-        "mov r4, #0",
-        "mov r5, #0",
-        "mov r6, #0",
-        "mov r7, #0",
-        "cmp r0, r2",
-        "beq 3f",
-        "2:",
-        ".rept 4",
-        "ldm r1!, {{r2, r3, r12, lr}}",
-        "vantage_dot r2, r3",
-        "vantage_dot r12, lr",
-        ".endr",
-        "ldr r2, [sp]",
-        "cmp r0, r2",
-        "bne 2b",
-        "3:",
-        "ldr r2, [sp, #8]",
-        "cmp r0, r2",
-        "beq 5f",
-        "4:",
-        "ldm r1!, {{r2, r3, r12, lr}}",
-        "vantage_dot r2, r3",
-        "vantage_dot r12, lr",
-        "ldr r2, [sp, #8]",
-        "cmp r0, r2",
-        "bne 4b",
-        "5:",
-        "ldr r2, [sp, #4]",
-        "cmp r0, r2",
-        "beq 6f",
-        "ldrd r2, r3, [r1]",
-        "vantage_dot r2, r3",
-        "6:",
-        "add sp, #12",
-        "pop {{r3}}",
-        "subs r4, r4, r5",
-        "subs r6, r6, r7",
-        "ldm r3, {{r8-r11}}",
-        "add r8, r5",
-        "add r9, r9, r4, asr #8",
-        "add r10, r7",
-        "add r11, r11, r6, asr #8",
-        "stm r3, {{r8-r11}}",
-        "pop {{r4-r11, pc}}",
-        ".purgem vantage_dot",
-    )
+    naked_asm!(dot!(
+        "push {{r3-r11, lr}}
+        add r4, r1, r2, lsl #3
+        bic r3, r2, #1
+        add r3, r1, r3, lsl #3
+        bic r2, r2, #7
+        add r2, r1, r2, lsl #3
+        push {{r2-r4}}
+        mov r4, #0
+        mov r5, #0
+        mov r6, #0
+        mov r7, #0
+        ",
+        "add sp, #12
+        pop {{r3}}
+        subs r4, r4, r5
+        subs r6, r6, r7
+        ldm r3, {{r8-r11}}
+        add r8, r5
+        add r9, r9, r4, asr #8
+        add r10, r7
+        add r11, r11, r6, asr #8
+        stm r3, {{r8-r11}}
+        pop {{r4-r11, pc}}
+        "
+    ))
+}
+
+/// What a fully connected layer needs beyond its registers, in the order of its stack.
+#[repr(C)]
+struct Dense {
+    input: *const u32, // widened, groups of four
+    eights: usize,     // bytes of the input's groups in eights
+    twos: usize,       // in twos
+    all: usize,
+    rest: usize, // bytes of a block's tiles that have no input
+    bias: *const [u8; 4],
+    multipliers: *const [u8; 4],
+    output: *mut i8,
+    blocks: usize, // at least 1
+    zero: i32,
+}
+
+/// Computes a fully connected layer, block by block.
+///
+/// # Safety
+///
+/// All that must be there, all but the output aligned to 4 bytes.
+#[unsafe(naked)]
+unsafe extern "C" fn dense_rows(_tiles: *const Tile, _dense: &Dense) {
+    naked_asm!(dot!(
+        "push {{r4-r11, lr}}
+        ldm r1, {{r2-r11}}
+        add r3, r2
+        add r4, r2
+        add r5, r2
+        push {{r2}}
+        push {{r3-r11}}
+        1:
+        ldr r1, [sp, #36]
+        ldr r8, [sp, #16]
+        ldr r4, [r8]
+        ldr r6, [r8, #8]
+        mov r5, r4
+        mov r7, r6
+        ",
+        "ldr r1, [sp, #12]
+        add r0, r1
+        ldrd r8, r9, [sp, #16]
+        ldr r10, [r8, #4]
+        ldr r11, [r8, #12]
+        ldm r9!, {{r1-r3, r12}}
+        add r8, #16
+        strd r8, r9, [sp, #16]
+        ldrd r8, r9, [sp, #24]
+        ldr lr, [sp, #32]
+        subs r4, r4, r5
+        subs r6, r6, r7
+        add r4, r10, r4, asr #8
+        add r6, r11, r6, asr #8
+        smmlar r5, r5, r1, lr
+        smmlar r4, r4, r2, lr
+        smmlar r7, r7, r3, lr
+        smmlar r6, r6, r12, lr
+        ssat r5, #8, r5
+        ssat r4, #8, r4
+        ssat r7, #8, r7
+        ssat r6, #8, r6
+        strb r5, [r8], #1
+        strb r4, [r8], #1
+        strb r7, [r8], #1
+        strb r6, [r8], #1
+        subs r9, #1
+        strd r8, r9, [sp, #24]
+        bne 1b
+        add sp, #40
+        pop {{r4-r11, pc}}
+        "
+    ))
 }

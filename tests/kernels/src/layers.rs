@@ -119,6 +119,22 @@ pub const ANCHORS: [Layer; 8] = [
     Layer::new("residual add, 16,384 elements", Work::Sum { elements: 16_384 }, 0),
 ];
 
+/// The layers of the default network's encoder; a stage's second convolution costs what its first does.
+pub const ENCODER: [Layer; 12] = [
+    Layer::new("stem", Work::Colours { stride: 2, side: 64 }, 16),
+    Layer::new("stage 1 down", Work::Window { stride: 2, side: 32, channels: 16 }, 16),
+    Layer::new("stage 1 first", Work::Window { stride: 1, side: 16, channels: 16 }, 16),
+    Layer::new("stage 1 sum", Work::Sum { elements: 16 * 16 * 16 }, 0),
+    Layer::new("stage 2 down", Work::Window { stride: 2, side: 16, channels: 16 }, 32),
+    Layer::new("stage 2 first", Work::Window { stride: 1, side: 8, channels: 32 }, 32),
+    Layer::new("stage 2 sum", Work::Sum { elements: 8 * 8 * 32 }, 0),
+    Layer::new("sketch, of which 3 rows are padding", Work::Pixels { pixels: 64, channels: 32 }, 8),
+    Layer::new("stage 3 down", Work::Window { stride: 2, side: 8, channels: 32 }, 48),
+    Layer::new("stage 3 first", Work::Window { stride: 1, side: 4, channels: 48 }, 48),
+    Layer::new("stage 3 sum", Work::Sum { elements: 4 * 4 * 48 }, 0),
+    Layer::new("embed", Work::Whole { columns: 768 }, 96),
+];
+
 /// Products of the network's encoder.
 pub fn encoder_products(sizes: &Dimensions) -> usize {
     let [c0, c1, c2, c3] = sizes.channels;

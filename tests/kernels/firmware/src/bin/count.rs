@@ -14,7 +14,7 @@ mod bare {
     use cortex_m_rt::entry;
     use kernel_firmware::{Text, exit};
     use kernel_suite::backends::{Chosen, Scalar};
-    use kernel_suite::layers::{ANCHORS, Bench, digest, encoder_products};
+    use kernel_suite::layers::{ANCHORS, Bench, ENCODER, digest, encoder_products};
     use vantage_core::soarnet::{Aligned, INPUT, Image, Model, Pixels, SIDE, Scratch};
 
     const PER_TICK: u32 = 40;
@@ -41,7 +41,7 @@ mod bare {
         timer.enable_counter();
         let mut bench = Bench::new();
         let mut good = true;
-        for layer in &ANCHORS {
+        for layer in ANCHORS.iter().chain(&ENCODER) {
             bench.prepare(layer);
             bench.run::<Scalar>(layer);
             let expected = bench.digest(layer);
