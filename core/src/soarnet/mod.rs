@@ -71,8 +71,8 @@ pub use image::{
 };
 pub use memory::{Fixed, Lists, ListsMut, Memory};
 pub use model::{
-    Dimensions, EncoderParts, Fault, Layer, Model, ModelError, Network, RANKS, STATE, Stage,
-    VERSION, WIDEST, WriteError,
+    Aligned, Dimensions, EncoderParts, Fault, Layer, Model, ModelError, Network, RANKS, STATE,
+    Stage, VERSION, WIDEST, WriteError,
 };
 pub use outlook::{Form, OUTLOOK};
 pub use scorer::{Photo, PhotoError, SetupError, SoarNet};
