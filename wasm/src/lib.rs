@@ -12,12 +12,14 @@
 //! - Lengths are metres, angles radians, poses the rows of `world_from_camera`, shape (3, 4).
 //! - Numbers are checked here, because JavaScript would turn -1 into 4294967295 on the way.
 
+mod board;
 mod error;
 mod input;
 mod memory;
 mod pool;
 mod session;
 
+pub use board::{BoardTracker, frame_quality};
 pub use error::Refusal;
 pub use pool::Pool;
 pub use session::Session;

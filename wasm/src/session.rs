@@ -231,7 +231,7 @@ fn reason_name(reason: Reason) -> &'static str {
     }
 }
 
-fn object<const N: usize>(fields: [(&str, JsValue); N]) -> JsValue {
+pub(crate) fn object<const N: usize>(fields: [(&str, JsValue); N]) -> JsValue {
     let object = Object::new();
     for (name, value) in fields {
         // A fresh object takes every property.

@@ -77,15 +77,9 @@ impl fmt::Display for BoardError {
 impl core::error::Error for BoardError {}
 
 /// A board whose sizes have been checked.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Board {
     spec: BoardSpec,
-}
-
-impl Default for Board {
-    fn default() -> Self {
-        Self { spec: BoardSpec::default() }
-    }
 }
 
 impl Board {
