@@ -15,6 +15,7 @@
 //! - Numbers are checked here, because JavaScript would turn -1 into 4294967295 on the way; arrays too,
 //!   because a length of 2^40 would end the module where it could be refused.
 
+mod board;
 mod error;
 mod input;
 mod memory;
@@ -26,6 +27,7 @@ mod plan;
 mod pool;
 mod session;
 
+pub use board::{BoardTracker, frame_quality};
 pub use error::Refusal;
 pub use mesh::MeshLedger;
 pub use model::Model;
