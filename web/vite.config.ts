@@ -15,6 +15,8 @@ export default defineConfig({
     modulePreload: { polyfill: false },
   },
   worker: { format: "es" },
+  // The planner's package lies beside this folder.
+  server: { fs: { allow: [".."] } },
   plugins: [serviceWorker()],
   test: { include: ["tests/**/*.test.ts"], environment: "node" },
 });

@@ -19,7 +19,7 @@ export function curves(all: Curves, key: keyof Curve, title: string, budget: num
   const x = (photo: number): number => LEFT + ((WIDTH - LEFT - 8) * photo) / Math.max(1, budget);
   // From the worst first photo up, so that the differences are seen; the axis says so.
   const values = LANES.flatMap(({ lane }) => all[lane][key]);
-  const floor = Math.floor(10 * Math.min(0.9, ...values)) / 10;
+  const floor = Math.floor(10 * Math.min(0.8, ...values)) / 10;
   const y = (value: number): number => 6 + (HEIGHT - BOTTOM - 6) * (1 - (value - floor) / (1 - floor));
   const marks = [floor, (floor + 1) / 2, 1];
   const last = (lane: Rival | "planner"): string => {

@@ -2,6 +2,7 @@
 // photos; the page owns the state it shows. Every request has a number, which its answer repeats.
 
 import type { Finish, NextView, Objective, Plan, Scores, Status, ViewSpace } from "./core.js";
+import type { BoardSpec } from "vantage-wasm";
 import type { Lens } from "./geometry.js";
 import type { Layout } from "./layout.js";
 import type { CaptureRecord, PoseSource, Quality, Subject } from "./record.js";
@@ -54,7 +55,7 @@ export type Answer =
 
 export type Reply = Answer & { id: number };
 
-export type Engine = { build: "simd" | "scalar"; storage: "opfs" | "indexeddb" | "memory"; hasBoard: boolean };
+export type Engine = { build: "simd" | "scalar"; storage: "opfs" | "indexeddb" | "memory" };
 
 /** A capture that was kept from last time. */
 export type Kept = { name: string; photos: number; startedAt: string; subject: Subject };
@@ -150,8 +151,6 @@ export type Reshoot = {
   gain: number;
 };
 
-export type BoardSpec = { columns: number; rows: number; tagSizeM: number; gapM: number };
-
 /** What the board's tracker found in a camera frame. */
 export type Tracked = {
   width: number;
@@ -165,4 +164,4 @@ export type Tracked = {
   quality: Quality | null;
 };
 
-export type { Objective };
+export type { BoardSpec, Objective };

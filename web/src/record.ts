@@ -2,7 +2,7 @@
 // `capture.json` of the export. instant-ngp reads every .json of a folder and skips those without
 // `frames`: the top level must not have a key `frames`, `aabb`, `scale`, `offset` or `up`.
 
-import type { Plan, Scores, ViewSpace } from "./core.js";
+import type { Plan, Reason, Scores, ViewSpace } from "./core.js";
 import type { Lens } from "./geometry.js";
 import type { Layout } from "./layout.js";
 
@@ -44,8 +44,8 @@ export type PhotoRecord = {
   /** The estimated scores once it was taken, and what it added to each. */
   scores: Scores | null;
   gain: Scores | null;
-  /** Why it was asked for. */
-  reason: string;
+  /** Why it was asked for; null where the photographer chose. */
+  reason: Reason | null;
 };
 
 export type Subject =

@@ -15,6 +15,8 @@ export class Simulation {
   private shown: Float32Array | null = null;
   private travel: Promise<void> = Promise.resolve();
   private heading: Float32Array | null = null;
+  /** The object as far as it can be seen from the candidates; null until that is known. */
+  private known: Reachable | null = null;
 
   private constructor(private stage: Stage) {}
 
@@ -32,7 +34,8 @@ export class Simulation {
 
   /** Gives the worker the mesh, and the faces of the photos that there are already. */
   async *replay(client: Client, view: CaptureView): AsyncGenerator<CaptureView> {
-    const triangles = this.stage.triangles.slice();
+    this.known ??= await this.reach(view);
+    const triangles = this.known.triangles.slice();
     let answer = await client.ask({ type: "mesh", triangles }, [triangles.buffer]);
     yield answer.view;
     for (const [index, photo] of view.record.photos.entries()) {
@@ -50,11 +53,37 @@ export class Simulation {
     return { picture: await this.stage.photo(pose), format: "png", pose, candidate: index, source: "simulated", faces };
   }
 
+  /** What no candidate sees, such as the bottom, counts for nobody: it would only hide how much of
+   *  the rest is there. */
+  private async reach(view: CaptureView): Promise<Reachable> {
+    const all = this.stage.triangles;
+    const isSeen = new Uint8Array(all.length / 9 + 1);
+    for (let index = 0; 12 * index < view.candidates.length; index += 1) {
+      for (const id of await this.stage.faces(poseAt(view.candidates, index))) isSeen[id] = 1;
+    }
+    isSeen[0] = 0;
+    const numbers = new Uint32Array(isSeen.length);
+    const triangles: number[] = [];
+    let count = 0;
+    isSeen.forEach((seen, id) => {
+      if (!seen) return;
+      count += 1;
+      numbers[id] = count;
+      for (let i = 9 * (id - 1); i < 9 * id; i += 1) triangles.push(all[i] ?? 0);
+    });
+    return { triangles: Float32Array.from(triangles), numbers };
+  }
+
+  private async ids(pose: Pose): Promise<Uint32Array> {
+    const ids = await this.stage.faces(pose);
+    return this.known ? ids.map((id) => this.known?.numbers[id] ?? 0) : ids;
+  }
+
   private async faces(view: CaptureView, photo: number, pose: Pose): Promise<Faces> {
-    const faces: Faces = { planner: await this.stage.faces(pose) };
+    const faces: Faces = { planner: await this.ids(pose) };
     for (const rival of RIVALS) {
       const poses = view.rivalPoses?.[rival];
-      if (poses && poses.length >= 12 * (photo + 1)) faces[rival] = await this.stage.faces(poseAt(poses, photo));
+      if (poses && poses.length >= 12 * (photo + 1)) faces[rival] = await this.ids(poseAt(poses, photo));
     }
     return faces;
   }
@@ -105,6 +134,9 @@ export class Simulation {
     this.stage.dispose();
   }
 }
+
+/** The triangles that some candidate sees, and the number + 1 of each by its own; 0 for the others. */
+type Reachable = { triangles: Float32Array; numbers: Uint32Array };
 
 const same = (a: Float32Array, b: Float32Array): boolean => a.every((value, index) => value === b[index]);
 

@@ -15,7 +15,7 @@ const viewOf = (numbers: number[]): CaptureView => ({
     })),
   },
   candidates: new Float32Array(), statuses: [], finish: null, progress: null, curves: null, rivalPoses: null, room: null,
-  next: { index: 3, pose: lookingAt([0, 3, 0], [0, 0, 0]), gain: 0.1, reason: "coverage" },
+  next: { index: 3, pose: lookingAt([0, 3, 0], [0, 0, 0]), gain: 0.1, reason: "coverage", why: "" },
 });
 
 const after = (state: State, ...events: Parameters<typeof next>[1][]): State => events.reduce(next, state);

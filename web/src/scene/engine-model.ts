@@ -67,7 +67,7 @@ export function steamEngine(): BufferGeometry {
     new BoxGeometry(x, y, z, ...parts);
 
   // Track: a bed of gravel, sleepers, rails.
-  model.add(box(5.6, 2.2, 0.16, [56, 22, 2]), speckled(0x8d8478, 0x5f584f, 0.1), [0, 0, 0.08]);
+  model.add(box(5.6, 2.2, 0.16, [44, 16, 1]), speckled(0x8d8478, 0x5f584f, 0.1), [0, 0, 0.08]);
   for (let i = 0; i < 9; i += 1) model.add(box(0.26, 1.9, 0.1, [2, 14, 1]), speckled(0x6b4a2f, 0x4c3320, 0.14), [-2.4 + 0.6 * i, 0, 0.2]);
   for (const y of [-0.6, 0.6]) model.add(box(5.6, 0.09, 0.14, [12, 1, 1]), plain(0x9aa0a8), [0, y, 0.32]);
 
@@ -79,7 +79,7 @@ export function steamEngine(): BufferGeometry {
   // Wheels with spokes, and the rods that drive them on one side only.
   for (const [x, r] of [[-1.35, 0.46], [-0.3, 0.46], [0.75, 0.46], [1.65, 0.28]] as const) {
     for (const y of [-0.62, 0.62]) {
-      model.add(new TorusGeometry(r - 0.05, 0.055, 10, 40), plain(BLACK), [x, y, 0.39 + r], [quarter, 0, 0]);
+      model.add(new TorusGeometry(r - 0.05, 0.055, 6, 28), plain(BLACK), [x, y, 0.39 + r], [quarter, 0, 0]);
       model.add(new CylinderGeometry(0.1, 0.1, 0.16, 16), plain(BRASS), [x, y, 0.39 + r]);
       for (let spoke = 0; spoke < 6; spoke += 1) {
         model.add(box(2 * r - 0.1, 0.05, 0.05), plain(RED), [x, y, 0.39 + r], [0, (spoke * Math.PI) / 6, 0]);
@@ -90,12 +90,12 @@ export function steamEngine(): BufferGeometry {
   model.add(new CylinderGeometry(0.2, 0.2, 0.62, 20), plain(GREEN), [1.55, -0.66, 1.0], [0, 0, quarter]);
 
   // Boiler with brass bands; chimney, dome, bell, lamp.
-  model.add(new CylinderGeometry(0.52, 0.52, 2.5, 48, 40), banded(GREEN, BRASS, [-0.6, 0.1, 0.8, 1.4], 0.045), [0.55, 0, 1.62], [0, 0, quarter]);
-  model.add(new CylinderGeometry(0.55, 0.55, 0.42, 48, 2), plain(BLACK), [1.95, 0, 1.62], [0, 0, quarter]);
-  model.add(new TorusGeometry(0.36, 0.045, 10, 40), plain(BRASS), [2.17, 0, 1.62], [0, quarter, 0]);
+  model.add(new CylinderGeometry(0.52, 0.52, 2.5, 40, 22), banded(GREEN, BRASS, [-0.6, 0.1, 0.8, 1.4], 0.045), [0.55, 0, 1.62], [0, 0, quarter]);
+  model.add(new CylinderGeometry(0.55, 0.55, 0.42, 40, 1), plain(BLACK), [1.95, 0, 1.62], [0, 0, quarter]);
+  model.add(new TorusGeometry(0.36, 0.045, 6, 32), plain(BRASS), [2.17, 0, 1.62], [0, quarter, 0]);
   const chimney = [[0.2, 0], [0.17, 0.1], [0.15, 0.5], [0.26, 0.7], [0.28, 0.78], [0.2, 0.78], [0.12, 0.5], [0.12, 0.1]] as const;
-  model.add(new LatheGeometry(chimney.map(([x, y]) => new Vector2(x, y)), 32), plain(BLACK), [1.75, 0, 2.08], [quarter, 0, 0]);
-  model.add(new SphereGeometry(0.26, 32, 20), plain(BRASS), [0.45, 0, 2.18]);
+  model.add(new LatheGeometry(chimney.map(([x, y]) => new Vector2(x, y)), 24), plain(BLACK), [1.75, 0, 2.08], [quarter, 0, 0]);
+  model.add(new SphereGeometry(0.26, 24, 14), plain(BRASS), [0.45, 0, 2.18]);
   model.add(new CylinderGeometry(0.02, 0.13, 0.2, 20), plain(BRASS), [1.1, 0, 2.3], [quarter, 0, 0]);
   model.add(new CylinderGeometry(0.12, 0.12, 0.2, 20), plain(CREAM), [2.2, 0, 2.2], [0, 0, quarter]);
   // A plate with letters, on the left side.

@@ -31,7 +31,7 @@ export function importing(state: State, app: App): TemplateResult {
       <h2 id="reshoot-title">Take these next</h2>
       <ol class="reshoot">${report.reshoot.map((view) => html`<li>
         <p><b>Stand at <code>${view.nearest}</code>, then go ${view.way}</b></p>
-        <p>${reasonWords(view.reason as Parameters<typeof reasonWords>[0])}</p>
+        <p>${reasonWords(view.reason)}</p>
       </li>`)}</ol>
       <button type="button" @click=${() => download(report)}>Save the list with its poses</button>
     </section>`;

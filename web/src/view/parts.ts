@@ -43,7 +43,7 @@ export function turnableDome(scene: DomeScene, state: State, app: App, inside: T
 
 /** Why the next view, or why there is none. */
 export function guidance(view: CaptureView): string {
-  if (view.next) return reasonWords(view.next.reason as Parameters<typeof reasonWords>[0]);
+  if (view.next) return reasonWords(view.next.reason);
   return view.finish ? finishWords(view.finish) : "";
 }
 

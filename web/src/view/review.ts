@@ -48,11 +48,13 @@ function card(photo: PhotoRecord, view: CaptureView, state: State, app: App): Te
   const rank = state.best ? state.best.order.indexOf(photo.number) : -1;
   const isLeftOut = state.best !== null && rank >= state.best.count;
   const isBlurred = isSoft(photo, view.record.photos);
+  const ranked = rank >= 0 && !isLeftOut ? `best ${rank + 1}` : null;
+  const label = `Photo ${photo.number}${ranked === null ? "" : ` ${ranked}`}, ${gainWords(photo)}${isBlurred ? ", soft" : ""}`;
   return html`<li class="card ${isLeftOut ? "leftout" : ""} ${isOpen ? "open" : ""}">
-    <button type="button" class="face" aria-expanded=${isOpen} aria-label="Photo ${photo.number}, ${gainWords(photo)}${isBlurred ? ", soft" : ""}" @click=${() => app.dispatch({ type: "selected", number: isOpen ? null : photo.number })}>
+    <button type="button" class="face" aria-expanded=${isOpen} aria-label=${label} @click=${() => app.dispatch({ type: "selected", number: isOpen ? null : photo.number })}>
       ${thumbnail(state, photo.number)}
       <span class="tag" aria-hidden="true">${photo.number}</span>
-      ${rank >= 0 && !isLeftOut ? html`<span class="tag rank" aria-hidden="true">best ${rank + 1}</span>` : nothing}
+      ${ranked === null ? nothing : html`<span class="tag rank" aria-hidden="true">${ranked}</span>`}
     </button>
     <p>${gainWords(photo)}${isBlurred ? html` <span class="soft">soft</span>` : nothing}</p>
     ${isOpen ? details(photo, state, app) : nothing}
@@ -60,9 +62,7 @@ function card(photo: PhotoRecord, view: CaptureView, state: State, app: App): Te
 }
 
 function details(photo: PhotoRecord, state: State, app: App): TemplateResult {
-  const reason = photo.reason === "chosen by the photographer" || photo.reason === ""
-    ? "Chosen by you."
-    : reasonWords(photo.reason as Parameters<typeof reasonWords>[0]);
+  const reason = photo.reason === null ? "Chosen by you." : reasonWords(photo.reason);
   const { title, trust } = TRUST[photo.source];
   return html`<div class="details">
     <p>${reason}</p>

@@ -23,7 +23,7 @@ export function setup(state: State, app: App): TemplateResult {
         <p>It tells the camera where it is, to the millimetre, in every browser. Print at 100 % on matt paper, and check the 100 mm bar with a ruler.</p>
         <fieldset class="choice"><legend>Paper</legend>${(["a4", "letter"] as const).map((page) => html`<label><input type="radio" name="paper" .checked=${board.page === page} @change=${() => app.printBoard(page, false)} /> ${page === "a4" ? "A4" : "Letter"}</label>`)}</fieldset>
         <div class="actions">
-          <button type="button" class="main" ?disabled=${!isIdle || !engine.hasBoard} @click=${() => app.printBoard(board.page, true)}>Print, or save as PDF</button>
+          <button type="button" class="main" ?disabled=${!isIdle} @click=${() => app.printBoard(board.page, true)}>Print, or save as PDF</button>
           ${board.svgUrl === null ? nothing : html`<a class="button" href=${board.svgUrl} download="vantage-board-${board.page}.svg">Save as SVG</a>`}
         </div>
         ${board.svgUrl === null ? nothing : html`<img class="sheet ${board.page}" src=${board.svgUrl} alt="The board: a grid of square tags" />`}

@@ -35,7 +35,7 @@ export function simulate(state: State, app: App): TemplateResult {
       ${outlook(view)}${room(view)}
     </section>
     ${view.curves && taken > 0 ? html`<section class="panel comparison" aria-labelledby="curves-title">
-      <h2 id="curves-title">Exact, since this object is known</h2>
+      <h2 id="curves-title">Exact: how much of what can be seen from these places</h2>
       <div class="charts">
         ${curves(view.curves, "coverage", "Surface covered, %", view.record.plan.budget)}
         ${curves(view.curves, "diversity", "Ray diversity, %", view.record.plan.budget)}

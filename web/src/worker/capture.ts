@@ -18,6 +18,8 @@ import type { Model, Photo, Session, Vantage } from "./vantage.js";
 const POINTS_PER_PHOTO = 150;
 /** Kept free beyond the photos themselves, bytes. */
 const RESERVE = 256 * 1024;
+/** What no photos are worth. */
+const NONE: Scores = { coverage: 0, geometry: 0, diversity: 0, texture: 0 };
 
 export class Capture {
   private ledgers: Ledgers | null = null;
@@ -117,17 +119,16 @@ export class Capture {
 
     // The photo is safe; only now does the plan go on.
     const next = session.nextView();
-    const before = session.progress().scores;
-    observe(session, shot.candidate, toPlan(record.layout, shot.pose), window.rgb);
-    const scores = session.progress().scores;
-    const quality = this.quality(small);
+    const before = session.progress().scores ?? NONE;
+    observe(session, shot.candidate, toPlan(record.layout, shot.pose), windowPhoto(window.rgb));
+    const scores = session.progress().scores ?? NONE;
+    const quality = this.core.frameQuality(pictures.luma(small), small.width, small.height);
     record.photos.push({
       number, file, bytes: encoded.length, takenAt: new Date().toISOString(),
       candidate: shot.candidate, pose: [...shot.pose], source: shot.source,
       ...(shot.rmsPx === undefined ? {} : { rmsPx: shot.rmsPx }),
-      ...(quality ? { quality } : {}),
-      scores, gain: difference(scores, before),
-      reason: next?.index === shot.candidate ? next?.reason ?? "" : "chosen by the photographer",
+      quality, scores, gain: difference(scores, before),
+      reason: next && next.index === shot.candidate ? next.reason : null,
     });
     record.nextNumber += 1;
     record.lens = lens;
@@ -195,7 +196,7 @@ export class Capture {
       statuses: session.statuses(),
       next: session.nextView() ?? null,
       finish: session.finish() ?? null,
-      progress: record.photos.length > 0 ? progress(session) : null,
+      progress: progress(session),
       curves: this.ledgers ? structuredClone(this.ledgers.curves) : null,
       rivalPoses: this.rivalPoses(),
       room: await this.room(),
@@ -237,11 +238,6 @@ export class Capture {
     this.ledgers = this.triangles && poses ? new Ledgers(this.core, this.triangles, poses) : null;
   }
 
-  private quality(small: { data: ArrayLike<number>; width: number; height: number }): PhotoRecord["quality"] {
-    if (!this.core.frameQuality) return undefined;
-    return this.core.frameQuality(pictures.luma(small), small.width, small.height);
-  }
-
   private async requireRoom(bytes: number): Promise<void> {
     const free = await freeBytes();
     if (this.store.kind !== "memory" && free !== null && free < bytes + RESERVE) throw new StorageFull();
@@ -274,14 +270,14 @@ function fresh(core: Vantage, model: Model, record: CaptureRecord): Session {
 async function replayed(core: Vantage, model: Model, store: Store, record: CaptureRecord): Promise<Session> {
   const session = fresh(core, model, record);
   for (const photo of record.photos) {
-    const { pixels } = await windowOf(store, photo);
-    observe(session, photo.candidate, toPlan(record.layout, photo.pose), pixels);
+    observe(session, photo.candidate, toPlan(record.layout, photo.pose), await windowOf(store, photo));
   }
   return session;
 }
 
-function observe(session: Session, candidate: number | null, pose: Float32Array, window: Uint8Array): void {
-  const photo: Photo = { pixels: window, width: WINDOW, height: WINDOW, format: "rgb" };
+const windowPhoto = (rgb: Uint8Array): Photo => ({ pixels: rgb, width: WINDOW, height: WINDOW, format: "rgb" });
+
+function observe(session: Session, candidate: number | null, pose: Float32Array, photo: Photo): void {
   if (candidate === null) session.observeElsewhere(pose, photo);
   else session.observe(candidate, photo, pose);
 }
@@ -289,12 +285,13 @@ function observe(session: Session, candidate: number | null, pose: Float32Array,
 async function windowOf(store: Store, photo: PhotoRecord): Promise<Photo> {
   const blob = await store.get(`${photo.file}.window`);
   if (!blob) throw new Error(`The file of photo ${photo.number} is no longer in the browser's storage.`);
-  return { pixels: new Uint8Array(await blob.arrayBuffer()), width: WINDOW, height: WINDOW, format: "rgb" };
+  return windowPhoto(new Uint8Array(await blob.arrayBuffer()));
 }
 
-function progress(session: Session): Progress {
+/** Null before the first photo. */
+function progress(session: Session): Progress | null {
   const { scores, gainLeft, isEnough } = session.progress();
-  return { scores, gainLeft, isEnough };
+  return scores && gainLeft ? { scores, gainLeft, isEnough } : null;
 }
 
 function difference(a: Scores, b: Scores): Scores {

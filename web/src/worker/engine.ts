@@ -26,8 +26,7 @@ export class Engine {
     const { core, model, build } = this.loaded;
     switch (ask.type) {
       case "open": {
-        const engine = { build, storage: this.store.kind, hasBoard: core.BoardTracker !== undefined };
-        return { type: "opened", engine, kept: await Capture.kept(this.store) };
+        return { type: "opened", engine: { build, storage: this.store.kind }, kept: await Capture.kept(this.store) };
       }
       case "start":
         return this.replace(await Capture.start(core, model, this.store, ask.setup));
@@ -113,12 +112,10 @@ export class Engine {
   }
 
   private trackerOf(spec: BoardSpec): BoardTracker {
-    const { BoardTracker } = this.loaded.core;
-    if (!BoardTracker) throw new Error("This build has no tracker for the printed board.");
     const key = JSON.stringify(spec);
     if (this.board?.key !== key) {
       this.board?.tracker.free();
-      this.board = { key, tracker: new BoardTracker(spec) };
+      this.board = { key, tracker: new this.loaded.core.BoardTracker(spec) };
     }
     return this.board.tracker;
   }
@@ -137,7 +134,7 @@ export class Engine {
     const { width, height } = frame;
     const picture = pictures.pixelsOf(frame, TRACK_SIDE);
     const grey = pictures.luma(picture);
-    const quality = core.frameQuality?.(grey, picture.width, picture.height) ?? null;
+    const quality = core.frameQuality(grey, picture.width, picture.height);
     const nothing: Tracked = {
       width, height, corners: [], pose: null, rmsPx: null, isAmbiguous: false, lens: null, lensSource: "assumed", quality,
     };

@@ -17,6 +17,8 @@ const LEAST_SHARE = 0.25;
 const APART_RAD = radians(30);
 /** Views named. */
 const RESHOOT = 6;
+/** A photo that would add less to each score is not worth taking: the core's own rule. */
+const WORTH = 0.005;
 /** The network remembers no more photos. */
 const MOST_VIEWS = 256;
 /** Beyond the elevations that the photos reach, so much more is thought within reach. */
@@ -73,7 +75,8 @@ export async function importCapture(core: Vantage, model: Model, files: readonly
     for (const { pose, rgb } of spread(windows)) {
       session.observeElsewhere(pose, { pixels: rgb, width: WINDOW, height: WINDOW, format: "rgb" });
     }
-    const { scores, gainLeft, isEnough } = session.progress();
+    const { scores = null, gainLeft = null } = session.progress();
+    const isEnough = gainLeft !== null && Object.values(gainLeft).every((gain) => gain < WORTH);
     const reshoot = reshootList(session, photos, layout);
     const record = await ours(entries, root);
     const notes = [...foreign.notes];

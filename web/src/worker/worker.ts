@@ -1,6 +1,5 @@
 // The worker: loads the planner and its network, answers one request after the other.
 
-import modelUrl from "../../../lab/models/soarnet.model?url";
 import type { Reply, Request } from "../messages.js";
 import { Engine, described } from "./engine.js";
 import { load } from "./load.js";
@@ -9,7 +8,7 @@ import { openStore } from "./store.js";
 declare const self: DedicatedWorkerGlobalScope;
 
 const engine = (async () => {
-  const [loaded, store] = await Promise.all([load(new URL(modelUrl, self.location.href)), openStore()]);
+  const [loaded, store] = await Promise.all([load(), openStore()]);
   return new Engine(loaded, store);
 })();
 // Told with the answer to the first request.
