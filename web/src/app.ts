@@ -124,6 +124,8 @@ export class App {
   };
 
   private async goOn(view: NonNullable<State["view"]>): Promise<void> {
+    // Pictures of another capture with the same numbers must not stay.
+    this.dispatch({ type: "discarded" });
     const { subject } = view.record;
     if (subject.kind === "camera") {
       this.dispatch({ type: "captured", view });

@@ -20,8 +20,9 @@ export function curves(all: Curves, key: keyof Curve, title: string, budget: num
   // From the worst first photo up, so that the differences are seen; the axis says so.
   const values = LANES.flatMap(({ lane }) => all[lane][key]);
   const floor = Math.floor(10 * Math.min(0.8, ...values)) / 10;
-  const y = (value: number): number => 6 + (HEIGHT - BOTTOM - 6) * (1 - (value - floor) / (1 - floor));
-  const marks = [floor, (floor + 1) / 2, 1];
+  const ceiling = Math.min(1, Math.max(floor + 0.2, Math.ceil(10 * Math.max(...values, 0.1)) / 10));
+  const y = (value: number): number => 6 + (HEIGHT - BOTTOM - 6) * (1 - (value - floor) / (ceiling - floor));
+  const marks = [floor, (floor + ceiling) / 2, ceiling];
   const last = (lane: Rival | "planner"): string => {
     const value = all[lane][key].at(-1);
     return value === undefined ? "–" : percent(value);

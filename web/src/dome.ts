@@ -14,6 +14,8 @@ export type DomeScene = {
   next: number | null;
   /** Where photos were taken, in order. */
   way: readonly Vec3[];
+  /** Whether their order means anything. */
+  isOrdered: boolean;
   /** Where the camera is now; null where it is not known. */
   here: Vec3 | null;
 };
@@ -52,7 +54,7 @@ export function dome(scene: DomeScene, side: DomeSide): SVGTemplateResult {
   return svg`<svg class="dome" viewBox="${-half} ${-half} ${2 * half} ${2 * half}" role="img" aria-label=${summary(scene)}>
     <path class="floor" d=${ring(side)} />
     <circle class="horizon" r="1" />
-    <polyline class="way" points=${line([...scene.way, ...nextPlace(scene)], side)} />
+    ${scene.isOrdered ? svg`<polyline class="way" points=${line([...scene.way, ...nextPlace(scene)], side)} />` : null}
     ${dots(scene, side).map((dot) => sign(dot))}
     ${scene.way.map((place) => taken(place, side))}
     ${scene.here === null ? null : here(scene.here, side)}

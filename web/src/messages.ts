@@ -145,7 +145,7 @@ export type ImportReport = {
 export type Reshoot = {
   pose: Float32Array; // the capture's coordinates
   planPose: Float32Array;
-  reason: NextView["reason"];
+  reason: Objective;
   nearest: string;
   way: string;
   gain: number;

@@ -8,12 +8,13 @@ import {
 import type { Layout } from "../layout.js";
 import type { Quality } from "../record.js";
 
-/** A target is reached within this angle about the object: candidates lie about 16° apart. */
-export const ZONE_RAD = radians(9);
+/** A target is reached within this angle about the object: candidates lie about 13° apart, and the pose really
+ *  reached is what counts. */
+export const ZONE_RAD = radians(12);
 /** Faster turns blur at a phone's usual exposure of 1/60 s: half a degree is some 8 pixels. */
 const FASTEST_RAD_S = 0.5;
 /** Distances in shares of the planned one. */
-const [CLOSE, FAR] = [0.7, 1.45];
+const [CLOSE, FAR] = [0.65, 1.6];
 /** Sharpness in shares of what this scene has shown lately. */
 const BLURRED = 0.45;
 const [DARK_LUMA, DARK_SHARE, BRIGHT_SHARE] = [38, 0.65, 0.35];
@@ -126,7 +127,7 @@ export class AutoShutter {
 }
 
 /** So long must everything be right. */
-export const STEADY_MS = 450;
+export const STEADY_MS = 400;
 
 /** The usual sharpness of a scene: a high one of the last few seconds. */
 export class SharpnessMemory {

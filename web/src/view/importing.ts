@@ -42,6 +42,7 @@ function scene(report: ImportReport): Parameters<typeof turnableDome>[0] {
     candidates: Float32Array.from(report.reshoot.flatMap(({ planPose }) => [...planPose])),
     statuses: report.reshoot.map(() => "available"),
     next: report.reshoot.length > 0 ? 0 : null,
+    isOrdered: false,
     way: report.photos.map(({ pose }) => unit(directionOf(report.layout, position(pose)))),
     here: null,
   };

@@ -16,6 +16,7 @@ export function sceneOf(view: CaptureView, here: Vec3 | null): DomeScene {
     candidates: view.candidates,
     statuses: view.statuses,
     next: view.next?.index ?? null,
+    isOrdered: true,
     way: photos.map((photo) => directionOf(layout, position(photo.pose))),
     here,
   };

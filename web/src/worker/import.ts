@@ -1,10 +1,11 @@
 // A capture taken elsewhere, or saved here before: what it lacks, and what to photograph next.
 
+import type { Objective } from "../core.js";
 import { type Vec3, angleBetween, position, radians } from "../geometry.js";
 import { DISTANCE, LayoutError, directionOf, estimate, fromPlan, toPlan } from "../layout.js";
 import type { ImportReport, Named, Reshoot } from "../messages.js";
 import { checkRecord, type CaptureRecord } from "../record.js";
-import { direction, way } from "../words.js";
+import { OBJECTIVES, direction, way } from "../words.js";
 import { WINDOW, cut } from "../window.js";
 import { type Foreign, ForeignError, parsePolycam, parseRecord3d, parseTransforms } from "./foreign.js";
 import * as pictures from "./pictures.js";
@@ -175,10 +176,23 @@ function sessionOver(core: Vantage, model: Model, poses: readonly Float32Array[]
   );
   try {
     const views = Math.min(poses.length, MOST_VIEWS);
-    return new core.Session(pool, { scheme: "ensemble", budget: Math.min(pool.length, views + 1) }, model);
+    return new core.Session(pool, { scheme: "sum", budget: Math.min(pool.length, views + 1) }, model);
   } finally {
     pool.free();
   }
+}
+
+/** What a view serves best: the objective in which it comes nearest to the best view. */
+function reasons(session: Session): (index: number) => Objective {
+  const gains = OBJECTIVES.map(({ name }) => {
+    const all = session.gains(name);
+    const most = all.reduce((best, gain) => (gain > best ? gain : best), 0);
+    return { name, shares: all.map((gain) => (most > 0 ? gain / most : 0)) };
+  });
+  return (index) => {
+    const share = ({ shares }: (typeof gains)[number]): number => shares[index] ?? 0;
+    return gains.reduce((best, other) => (share(other) > share(best) ? other : best)).name;
+  };
 }
 
 /** As many photos as the network remembers: all, or those farthest from each other. */
@@ -203,6 +217,7 @@ function spread<T extends { pose: Float32Array }>(photos: readonly T[]): T[] {
 function reshootList(session: Session, photos: ImportReport["photos"], layout: ImportReport["layout"]): Reshoot[] {
   const list: Reshoot[] = [];
   const places = session.poses();
+  const reasonFor = reasons(session);
   for (let next = session.nextView(); next && list.length < RESHOOT; next = session.nextView()) {
     const out: Vec3 = position(next.pose);
     const apart = photos.map(({ pose }) => angleBetween(directionOf(layout, position(pose)), out));
@@ -210,7 +225,7 @@ function reshootList(session: Session, photos: ImportReport["photos"], layout: I
     const place = nearest
       ? { nearest: nearest.path, way: way(directionOf(layout, position(nearest.pose)), out) }
       : { nearest: "", way: `${Math.round(direction(out).elevationDeg)}° above the horizon` };
-    list.push({ pose: fromPlan(layout, next.pose), planPose: next.pose, reason: next.reason, gain: next.gain, ...place });
+    list.push({ pose: fromPlan(layout, next.pose), planPose: next.pose, reason: reasonFor(next.index), gain: next.gain, ...place });
     for (let index = 0; 12 * index < places.length; index += 1) {
       if (angleBetween(position(places, index), out) < APART_RAD) session.block(index);
     }
