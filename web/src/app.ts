@@ -1,6 +1,7 @@
 // What happens when a person does something: asks the worker, renders, tells the state.
 
-import { Client, Refusal } from "./client.js";
+import { Advice } from "./advice.js";
+import { Client } from "./client.js";
 import type { Named, Parcel } from "./messages.js";
 import { PLAIN, FOV_X_RAD } from "./layout.js";
 import { lensOf, radians } from "./geometry.js";
@@ -54,7 +55,7 @@ export class App {
 
   say(error: unknown): void {
     const text = error instanceof Error ? error.message : String(error);
-    if (!(error instanceof Refusal)) console.error(error);
+    if (!(error instanceof Advice)) console.error(error);
     this.dispatch({ type: "noticed", notice: { level: "error", text } });
   }
 

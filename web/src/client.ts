@@ -1,9 +1,10 @@
 // The page's end of the worker: asks and awaits answers.
 
+import { Advice } from "./advice.js";
 import type { Answer, Ask, Reply, Request } from "./messages.js";
 
 /** A request was refused; the message is for people. */
-export class Refusal extends Error {
+export class Refusal extends Advice {
   constructor(readonly code: string, message: string) {
     super(message);
   }

@@ -1,5 +1,6 @@
 // Files and folders that were dropped or chosen, with their paths.
 
+import { Advice } from "./advice.js";
 import type { Named } from "./messages.js";
 
 /** More files than any capture has: somebody's whole disk. */
@@ -18,7 +19,7 @@ export function chosen(input: HTMLInputElement): Named[] {
 }
 
 async function walk(entry: FileSystemEntry, found: Named[]): Promise<void> {
-  if (found.length >= MOST_FILES) throw new Error("That folder has too many files: choose the capture's own folder.");
+  if (found.length >= MOST_FILES) throw new Advice("That folder has too many files: choose the capture's own folder.");
   if (isFile(entry)) {
     const file = await new Promise<File>((resolve, reject) => entry.file(resolve, reject));
     found.push({ path: entry.fullPath.replace(/^\//, ""), file });

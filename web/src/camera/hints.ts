@@ -17,7 +17,8 @@ const FASTEST_RAD_S = 0.5;
 const [CLOSE, FAR] = [0.65, 1.6];
 /** Sharpness in shares of what this scene has shown lately. */
 const BLURRED = 0.45;
-const [DARK_LUMA, DARK_SHARE, BRIGHT_SHARE] = [38, 0.65, 0.35];
+/** Means of luma, and shares of black and of blown-out pixels. */
+const [DARK_LUMA, DARK_SHARE, BRIGHT_LUMA, BRIGHT_SHARE] = [38, 0.65, 210, 0.35];
 /** The object's middle may lie so far from the picture's, in shares of its shorter side. */
 const OFF_CENTRE = 0.3;
 
@@ -49,7 +50,8 @@ export function guide(reading: Reading, goal: Pose | null, layout: Layout): Guid
   const hints = picture(reading);
   const { pose } = reading;
   if (pose === null) {
-    hints.unshift({ level: "stop", name: "lost", text: "The board is not in view. Show at least two whole tags." });
+    // Last, since the others are causes: in the dark, or blurred, no board is found.
+    hints.push({ level: "stop", name: "lost", text: "The board is not in view. Show at least two whole tags." });
     return { target: null, toGoRad: null, isInZone: false, hints, isReady: false };
   }
   hints.push(...place(reading, pose, layout));
@@ -75,11 +77,12 @@ function towards(pose: Pose, here: Vec3, there: Vec3, angle: number): { x: numbe
 function picture({ quality, usualSharpness, speedRadS }: Reading): Hint[] {
   const hints: Hint[] = [];
   const stop = (name: HintName, text: string): void => void hints.push({ level: "stop", name, text });
+  if (quality !== null) {
+    if (quality.meanLuma < DARK_LUMA || quality.darkShare > DARK_SHARE) stop("dark", "Too dark. Switch a light on or move to a window.");
+    if (quality.meanLuma > BRIGHT_LUMA || quality.brightShare > BRIGHT_SHARE) stop("bright", "Too bright. Turn away from the light or close a curtain.");
+  }
   if (speedRadS !== null && speedRadS > FASTEST_RAD_S) stop("fast", "Too fast. Slow down and hold still.");
-  if (quality === null) return hints;
-  if (quality.meanLuma < DARK_LUMA || quality.darkShare > DARK_SHARE) stop("dark", "Too dark. Switch a light on or move to a window.");
-  if (quality.brightShare > BRIGHT_SHARE) stop("bright", "Too bright. Turn away from the light or close a curtain.");
-  if (usualSharpness !== null && quality.sharpness < BLURRED * usualSharpness) stop("blurred", "Blurred. Hold still, tap the object to focus.");
+  if (quality !== null && usualSharpness !== null && quality.sharpness < BLURRED * usualSharpness) stop("blurred", "Blurred. Hold still, tap the object to focus.");
   return hints;
 }
 

@@ -1,5 +1,6 @@
 // The camera screen at work: frame after frame is looked at, hints are told, photos are taken.
 
+import { Advice } from "../advice.js";
 import { type App, STOP } from "../app.js";
 import { type Pose, position, radians } from "../geometry.js";
 import { type Layout, directionOf, fromPlan } from "../layout.js";
@@ -124,7 +125,7 @@ export class LiveCapture {
       const { view, live } = this.app.state;
       if (!view || !this.source || !live.tracked) return;
       const { pose, lens, rmsPx, width, height } = live.tracked;
-      if (!pose) throw new Error("The photo was not taken: without the board in view nobody can tell where from. Show at least two whole tags.");
+      if (!pose) throw new Advice("The photo was not taken: without the board in view nobody can tell where from. Show at least two whole tags.");
       try {
         const answer = await this.app.client.ask({
           type: "shoot",

@@ -1,5 +1,6 @@
 // Where a camera's pose comes from. Every source says which it is; the page shows how far to trust it.
 
+import { Advice } from "../advice.js";
 import type { Client } from "../client.js";
 import { type Lens, type Vec3, add, fromAxes, lensOf, radians, scale } from "../geometry.js";
 import type { Layout } from "../layout.js";
@@ -52,9 +53,9 @@ export class OrientationSource implements PoseSource {
   /** Must be called from a tap: iOS asks for permission. */
   static async open(client: Client, layout: Layout): Promise<OrientationSource> {
     const events = globalThis.DeviceOrientationEvent as (typeof DeviceOrientationEvent & { requestPermission?: () => Promise<string> }) | undefined;
-    if (!events) throw new Error("This device has no orientation sensor. Print the board instead: it works everywhere.");
+    if (!events) throw new Advice("This device has no orientation sensor. Print the board instead: it works everywhere.");
     if (events.requestPermission && (await events.requestPermission()) !== "granted") {
-      throw new Error("The orientation sensor was refused. Allow motion access for this page, or print the board instead.");
+      throw new Advice("The orientation sensor was refused. Allow motion access for this page, or print the board instead.");
     }
     const source = new OrientationSource(client, layout);
     for (let waited = 0; source.latest === null && waited < 1500; waited += 50) {
@@ -62,7 +63,7 @@ export class OrientationSource implements PoseSource {
     }
     if (source.latest === null) {
       source.stop();
-      throw new Error("This device tells no orientation. Print the board instead: it works everywhere.");
+      throw new Advice("This device tells no orientation. Print the board instead: it works everywhere.");
     }
     return source;
   }

@@ -1,8 +1,10 @@
 // The camera's picture, or a sentence that says why there is none.
 
+import { Advice } from "../advice.js";
+
 export async function openCamera(): Promise<MediaStream> {
   if (!navigator.mediaDevices?.getUserMedia) {
-    throw new Error(
+    throw new Advice(
       isSecureContext
         ? "This browser gives pages no camera. Use a current Chrome, Firefox or Safari."
         : "The camera needs a secure address: open this page by https, or on the computer itself by localhost.",
@@ -14,7 +16,7 @@ export async function openCamera(): Promise<MediaStream> {
       video: { facingMode: { ideal: "environment" }, width: { ideal: 1920 }, height: { ideal: 1080 } },
     });
   } catch (error) {
-    throw new Error(cameraWords(error instanceof DOMException ? error.name : ""));
+    throw new Advice(cameraWords(error instanceof DOMException ? error.name : ""));
   }
 }
 

@@ -5,6 +5,7 @@ import {
   Mesh, MeshLambertMaterial, NearestFilter, OrthographicCamera, PerspectiveCamera, RawShaderMaterial, Scene, Vector3,
   WebGLRenderTarget, WebGLRenderer,
 } from "three";
+import { Advice } from "../advice.js";
 import { type Pose, degrees } from "../geometry.js";
 import { DISTANCE, FOV_X_RAD } from "../layout.js";
 
@@ -15,7 +16,7 @@ const IDS = 256;
 /** More faces than the ids of three bytes can number, or than a phone renders, are refused. */
 const MOST_FACES = 1_000_000;
 
-export class StageError extends Error {}
+export class StageError extends Advice {}
 
 export class Stage {
   private renderer: WebGLRenderer;
