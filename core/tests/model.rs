@@ -72,7 +72,7 @@ fn print_the_example() {
         }
     };
     print(&file[..4], "magic");
-    print(&file[4..8], "version 2, reserved");
+    print(&file[4..8], "version 3, reserved");
     print(&file[8..12], "length of the file");
     print(&file[12..20], "no channels");
     print(&file[20..28], "E = 0, H = K = G = 4");
@@ -152,11 +152,22 @@ fn every_field_out_of_its_range_is_named() {
 #[test]
 fn padding_and_sums_of_maps_are_checked() {
     let file = OwnNetwork::by_chance(SMALL, 1).file();
-    // The stem: zero point at 28, four biases, four multipliers, then rows of 27 weights and a 0.
+    // The stem: zero point at 28, four biases, four multipliers, then tiles of 16 bytes. The tenth
+    // lane is the first of padding: in the third tile the second lane, of the first two rows.
     let mut bad = file.clone();
-    bad[64 + 27] = 1;
+    assert_eq!(bad[64 + 2 * 16 + 2..][..2], [0; 2]);
+    bad[64 + 2 * 16 + 2] = 1;
     let refused = ModelError::Field { layer: "stem", fault: Fault::Reserved };
     assert_eq!(Model::parse(&sealed(bad)).unwrap_err(), refused);
+    // The sketch has 5 rows, the file 8: bias, multiplier and weights of the others are 0.
+    let at = sketch_at();
+    for place in [at + 4 + 5 * 4, at + 4 + 8 * 4 + 7 * 4, at + 4 + 8 * 8 + 16 * 3 + 9] {
+        let mut bad = file.clone();
+        assert_eq!(bad[place], 0);
+        bad[place] = 1;
+        let refused = ModelError::Field { layer: "sketch", fault: Fault::Reserved };
+        assert_eq!(Model::parse(&sealed(bad)).unwrap_err(), refused, "{}", place - at);
+    }
 
     let mut network = OwnNetwork::by_chance(SMALL, 1);
     let mut buffer = vec![0; 100_000];
@@ -178,10 +189,8 @@ fn padding_and_sums_of_maps_are_checked() {
 #[test]
 fn the_sketch_lies_between_the_stages_and_the_embedding() {
     let file = OwnNetwork::by_chance(SMALL, 1).file();
-    let layer = |rows: usize, columns: usize| 4 + rows * (8 + columns.next_multiple_of(4));
-    let [c0, c1, c2, c3] = SMALL.channels;
-    let stage = |from, to| layer(to, 9 * from) + 2 * layer(to, 9 * to) + 12;
-    let sketch = 28 + layer(c0, 27) + stage(c0, c1) + stage(c1, c2) + stage(c2, c3);
+    let [_, _, c2, _] = SMALL.channels;
+    let sketch = sketch_at();
     for (name, at) in [("sketch", sketch), ("embed", sketch + layer(5, c2))] {
         let mut bad = file.clone();
         bad[at + 1] = 1; // the first reserved byte
@@ -208,6 +217,50 @@ fn a_model_lies_at_any_address() {
         shifted[offset..offset + file.len()].copy_from_slice(&file);
         let model = Model::parse(&shifted[offset..offset + file.len()]).unwrap();
         assert_eq!(gains(model), gains(Model::parse(&file).unwrap()));
+    }
+}
+
+/// Bytes of a layer of so many columns in memory.
+fn layer(rows: usize, columns: usize) -> usize {
+    4 + rows.next_multiple_of(4) * (8 + columns)
+}
+
+/// Where the sketch's layer begins in the file of the small network.
+fn sketch_at() -> usize {
+    let [c0, c1, c2, c3] = SMALL.channels;
+    let window = |rows: usize, channels: usize| layer(rows, 72 * channels.div_ceil(8));
+    let stage = |from, to| window(to, from) + 2 * window(to, to) + 12;
+    28 + layer(c0, 32) + stage(c0, c1) + stage(c1, c2) + stage(c2, c3)
+}
+
+#[test]
+fn sums_that_could_leave_their_bits_are_refused() {
+    // 128 times the weights' sum: 24 bits with a sign for every second row, 32 with the bias for all.
+    let mut network = OwnNetwork::by_chance(Dimensions::default(), 1);
+    let mut buffer = vec![0; 400_000];
+    let columns = 16 * 48;
+    for (row, weights, fault) in [
+        (0, 127, None),
+        (1, 85, None),
+        (1, 86, Some(Fault::Second { row: 1 })),
+        (95, 127, Some(Fault::Second { row: 95 })),
+    ] {
+        let kept = network.encoder[10].weights.clone();
+        network.encoder[10].weights[columns * row..][..columns].fill(-weights);
+        let expected = match fault {
+            Some(fault) => Err(WriteError::Model(ModelError::Field { layer: "embed", fault })),
+            None => Ok(Dimensions::default().file_length()),
+        };
+        assert_eq!(network.network().write(&mut buffer), expected, "row {row}, {weights}");
+        network.encoder[10].weights = kept;
+    }
+    network.encoder[10].weights[..columns].fill(127);
+    for (bias, fault) in [(i32::MAX - 128 * 127 * 768, false), (i32::MIN + 128 * 127 * 768, true)] {
+        network.encoder[10].bias[0] = bias;
+        let fault = fault.then_some(Fault::Overflow { row: 0 });
+        let expected =
+            fault.map(|fault| WriteError::Model(ModelError::Field { layer: "embed", fault }));
+        assert_eq!(network.network().write(&mut buffer).err(), expected);
     }
 }
 

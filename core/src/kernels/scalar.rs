@@ -5,105 +5,179 @@
 
 #[cfg(doc)]
 use super::LARGEST_ADDITION;
-use super::{Addition, Linear, MAX_CHANNELS};
+use super::{
+    Addition, EDGE, GROUP, Grid, Linear, MAX_CHANNELS, Rows, Tile, requantize, requantize_wide,
+    unpack,
+};
 
-/// A sum as a byte: `clamp(round(sum · multiplier / 2^32) + zero, low, 127)`, halves up.
-///
-/// `((zero << 32) + sum · multiplier + (1 << 31)) >> 32` cannot leave an i64.
+/// Adds `Σ weights[r, c] · input[c]` to the sums of four rows; what is missing of the input is 0.
 #[inline]
-pub fn requantize(sum: i32, multiplier: i32, zero: i8, low: i8) -> i8 {
-    let product = i64::from(sum) * i64::from(multiplier);
-    let value = ((i64::from(zero) << 32) + product + (1 << 31)) >> 32;
-    // Not `clamp`, which leaves a panic path where a bound is not a constant.
-    value.min(127).max(i64::from(low)) as i8
+fn add_tiles(tiles: &[Tile], input: &[i8], sums: &mut [i32; EDGE]) {
+    for (tile, input) in tiles.iter().zip(input.chunks(EDGE)) {
+        for (sum, weights) in sums.iter_mut().zip(unpack(tile)) {
+            for (weight, &value) in weights.into_iter().zip(input) {
+                *sum = sum.wrapping_add(i32::from(weight) * i32::from(value));
+            }
+        }
+    }
 }
 
-/// A sum as a number of 32 bits: `round(sum · multiplier / 2^20)`, halves up, saturated.
+/// The sums of four rows, beginning with their bias.
 #[inline]
-pub fn requantize_wide(sum: i32, multiplier: i32) -> i32 {
-    let value = (i64::from(sum) * i64::from(multiplier) + (1 << 19)) >> 20;
-    value.clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32
+fn sums(tiles: &[Tile], bias: &[[u8; 4]], input: &[i8]) -> [i32; EDGE] {
+    let mut sums = [0; EDGE];
+    for (sum, bias) in sums.iter_mut().zip(bias) {
+        *sum = i32::from_le_bytes(*bias);
+    }
+    add_tiles(tiles, input, &mut sums);
+    sums
 }
 
-/// The mean of `count` bytes from their sum, halves up; 0 for none.
-#[inline]
-pub fn mean(sum: i32, count: i32) -> i8 {
-    let mean = (2 * i64::from(sum) + i64::from(count)).checked_div_euclid(2 * i64::from(count));
-    mean.unwrap_or(0).clamp(-128, 127) as i8
-}
-
-/// `Σ weights[c] · input[c]`, over the shorter of the two.
-#[inline]
-fn dot(weights: &[u8], input: &[i8]) -> i32 {
-    weights.iter().zip(input).fold(0, |sum: i32, (&weight, &value)| {
-        sum.wrapping_add(i32::from(weight as i8) * i32::from(value))
-    })
-}
-
-/// Adds a part of a linear map, without its bias: the columns from `first` on.
+/// Adds a part of a linear map, without its bias: the columns from `first` on, a multiple of 4.
 ///
 /// Shapes: `input` (up to columns - first), `sums` (rows).
 /// `sums[r] += Σ_c weights[r, first + c] · input[c]`
 pub fn accumulate(map: &Linear<'_>, first: usize, input: &[i8], sums: &mut [i32]) {
-    for (sum, row) in sums.iter_mut().zip(map.weights.chunks_exact(map.stride())) {
-        *sum = sum.wrapping_add(dot(row.get(first..).unwrap_or_default(), input));
+    for (sums, tiles) in sums.chunks_mut(EDGE).zip(map.weights.chunks_exact(map.stride())) {
+        let mut block = [0; EDGE];
+        add_tiles(tiles.get(first / EDGE..).unwrap_or_default(), input, &mut block);
+        for (sum, more) in sums.iter_mut().zip(block) {
+            *sum = sum.wrapping_add(more);
+        }
+    }
+}
+
+/// Brings sums to bytes. Shapes: `sums` and `output` (rows).
+pub fn requantize_all(map: &Linear<'_>, sums: &[i32], output: &mut [i8]) {
+    for ((output, &sum), multiplier) in output.iter_mut().zip(sums).zip(map.multipliers) {
+        *output = requantize(sum, i32::from_le_bytes(*multiplier), map.zero, map.low);
     }
 }
 
 /// A fully connected layer. Shapes: `input` (columns), `output` (rows).
 pub fn fully_connected(map: &Linear<'_>, input: &[i8], output: &mut [i8]) {
-    let rows = map.weights.chunks_exact(map.stride());
-    for (((row, bias), multiplier), output) in rows.zip(map.bias).zip(map.multipliers).zip(output) {
-        let sum = i32::from_le_bytes(*bias).wrapping_add(dot(row, input));
-        *output = requantize(sum, i32::from_le_bytes(*multiplier), map.zero, map.low);
+    let rows = map.bias.chunks(EDGE).zip(map.multipliers.chunks(EDGE));
+    let tiles = map.weights.chunks_exact(map.stride());
+    for ((tiles, (bias, multipliers)), output) in tiles.zip(rows).zip(output.chunks_mut(EDGE)) {
+        let sums = sums(tiles, bias, input);
+        for ((output, sum), multiplier) in output.iter_mut().zip(sums).zip(multipliers) {
+            *output = requantize(sum, i32::from_le_bytes(*multiplier), map.zero, map.low);
+        }
     }
 }
 
 /// A fully connected layer with numbers of 32 bits. Shapes: `input` (columns), `output` (rows).
 pub fn fully_connected_wide(map: &Linear<'_>, input: &[i8], output: &mut [i32]) {
-    let rows = map.weights.chunks_exact(map.stride());
-    for (((row, bias), multiplier), output) in rows.zip(map.bias).zip(map.multipliers).zip(output) {
-        let sum = i32::from_le_bytes(*bias).wrapping_add(dot(row, input));
-        *output = requantize_wide(sum, i32::from_le_bytes(*multiplier));
+    let rows = map.bias.chunks(EDGE).zip(map.multipliers.chunks(EDGE));
+    let tiles = map.weights.chunks_exact(map.stride());
+    for ((tiles, (bias, multipliers)), output) in tiles.zip(rows).zip(output.chunks_mut(EDGE)) {
+        let sums = sums(tiles, bias, input);
+        for ((output, sum), multiplier) in output.iter_mut().zip(sums).zip(multipliers) {
+            *output = requantize_wide(sum, i32::from_le_bytes(*multiplier));
+        }
     }
 }
 
-/// A convolution with a window of 3 x 3 pixels over a square map; beyond the border stands `border`.
+/// A fully connected layer of every pixel by itself: a convolution with a window of 1 x 1.
 ///
-/// Shapes: `input` (side, side, channels), weights (rows, 3, 3, channels), `output` (side / stride,
-/// side / stride, rows); at most [`MAX_CHANNELS`] channels, more give nothing. The window of output
-/// pixel (y, x) is centred on input pixel (stride · y, stride · x).
+/// Shapes: `input` (pixels, channels), weights (rows, channels), `output` (pixels, rows).
+pub fn pointwise(
+    map: &Linear<'_>,
+    channels: usize,
+    input: &[i8],
+    _rows: &mut Rows,
+    output: &mut [i8],
+) {
+    let outputs = output.chunks_exact_mut(map.bias.len().max(1));
+    for (pixel, output) in input.chunks_exact(channels.max(1)).zip(outputs) {
+        fully_connected(map, pixel, output);
+    }
+}
+
+/// A convolution with a window of 3 x 3 pixels.
+///
+/// Shapes: `input` (side, side, channels), weights (rows, [`Order::Window`](super::Order)), `output`
+/// (side / stride, side / stride, rows), rounded up; at most [`MAX_CHANNELS`] channels, more give
+/// nothing. The window of output pixel (y, x) is centred on input pixel (stride · y, stride · x).
 pub fn convolve(
     map: &Linear<'_>,
     stride: usize,
-    side: usize,
-    border: i8,
-    input: &[i8],
+    input: &Grid<'_>,
+    _rows: &mut Rows,
     output: &mut [i8],
 ) {
-    let (channels, rows) = (map.columns / 9, map.bias.len());
-    let mut buffer = [0; 9 * MAX_CHANNELS]; // (3, 3, channels)
-    let (Some(window), 1.., 1..) = (buffer.get_mut(..9 * channels), channels, rows) else { return };
-    let centres = || (0..side).step_by(stride.max(1));
-    let places = centres().flat_map(|y| centres().map(move |x| (y, x)));
-    for ((y, x), output) in places.zip(output.chunks_exact_mut(rows)) {
-        for (place, pixel) in window.chunks_exact_mut(channels).enumerate() {
-            // Both are one too large, so that nothing is negative.
-            let (y, x) = (y + place / 3, x + place % 3);
-            let inside = (1..=side).contains(&y) && (1..=side).contains(&x);
-            let from = if inside { ((y - 1) * side + (x - 1)) * channels } else { usize::MAX };
-            match input.get(from..from.saturating_add(channels)) {
-                Some(values) if inside => {
-                    // Not `copy_from_slice`, which leaves a panic path.
-                    for (place, value) in pixel.iter_mut().zip(values) {
-                        *place = *value;
-                    }
-                }
-                _ => pixel.fill(border),
+    let channels = input.channels;
+    let mut buffer = [0; 9 * MAX_CHANNELS]; // (group, column, row, channel of the group)
+    let (Some(window), 1..) = (buffer.get_mut(..9 * channels.next_multiple_of(GROUP)), channels)
+    else {
+        return;
+    };
+    each_window(map, stride, input, output, |y, x, output| {
+        for (place, eight) in window.chunks_exact_mut(GROUP).enumerate() {
+            let (group, column, row) = (place / 9, place / 3 % 3, place % 3);
+            let pixel = pixel(input, y + row, x + column);
+            for (within, value) in eight.iter_mut().enumerate() {
+                // Weights are 0 where there is no such channel.
+                let there = pixel.and_then(|pixel| pixel.get(GROUP * group + within));
+                *value = there.copied().unwrap_or(input.border);
             }
         }
         fully_connected(map, window, output);
+    });
+}
+
+/// A convolution with a window of 3 x 3 pixels of three colours: as [`convolve`], with weights (rows,
+/// [`Order::Colours`](super::Order)).
+pub fn convolve_colours(
+    map: &Linear<'_>,
+    stride: usize,
+    input: &Grid<'_>,
+    _rows: &mut Rows,
+    output: &mut [i8],
+) {
+    each_window(map, stride, input, output, |y, x, output| {
+        let mut lanes = [0; 32]; // (column, 10 numbers), two zeros
+        for (column, lanes) in lanes.chunks_exact_mut(10).enumerate() {
+            for (row, lanes) in lanes.chunks_exact_mut(3).enumerate() {
+                let pixel = pixel(input, y + row, x + column);
+                for (colour, lane) in lanes.iter_mut().enumerate() {
+                    let there = pixel.and_then(|pixel| pixel.get(colour));
+                    *lane = there.copied().unwrap_or(input.border);
+                }
+            }
+        }
+        // From the order of lanes to that of columns.
+        for four in lanes.as_chunks_mut::<EDGE>().0 {
+            four.swap(1, 2);
+        }
+        fully_connected(map, &lanes, output);
+    });
+}
+
+/// Calls `each` with the row and the column before an output pixel's window, both one too large so
+/// that nothing is negative, and with the output pixel.
+fn each_window(
+    map: &Linear<'_>,
+    stride: usize,
+    input: &Grid<'_>,
+    output: &mut [i8],
+    mut each: impl FnMut(usize, usize, &mut [i8]),
+) {
+    let centres = || (0..input.side).step_by(stride.max(1));
+    let places = centres().flat_map(|y| centres().map(move |x| (y, x)));
+    for ((y, x), output) in places.zip(output.chunks_exact_mut(map.bias.len().max(1))) {
+        each(y, x, output);
     }
+}
+
+/// The channels of a pixel whose row and column are one too large; `None` beyond the border.
+fn pixel<'a>(input: &Grid<'a>, y: usize, x: usize) -> Option<&'a [i8]> {
+    let inside = 1..=input.side;
+    if !inside.contains(&y) || !inside.contains(&x) {
+        return None;
+    }
+    let from = ((y - 1) * input.side + (x - 1)) * input.channels;
+    input.values.get(from..from + input.channels)
 }
 
 /// Adds a map onto another, negative sums cut off. Shapes: `values` and `others` alike.
@@ -115,10 +189,7 @@ pub fn convolve(
 ///
 /// Exact in i32 while neither multiplier is negative and their sum is at most [`LARGEST_ADDITION`].
 pub fn add_residual(add: &Addition, values: &mut [i8], others: &[i8]) {
-    let constant = (i32::from(add.zero) << 18)
-        .wrapping_add(1 << 17)
-        .wrapping_sub(i32::from(add.zero_in).wrapping_mul(add.multiplier))
-        .wrapping_sub(i32::from(add.other_zero_in).wrapping_mul(add.other_multiplier));
+    let constant = add.constant();
     for (value, &other) in values.iter_mut().zip(others) {
         let sum = constant
             .wrapping_add(i32::from(*value).wrapping_mul(add.multiplier))

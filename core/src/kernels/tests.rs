@@ -37,24 +37,36 @@ struct Owned {
     multipliers: Vec<i32>,
     zero: i8,
     cut: bool,
-    bytes: Vec<u8>,
+    order: Order,
+    tiles: Vec<Tile>,
     bias_bytes: Vec<[u8; 4]>,
     multiplier_bytes: Vec<[u8; 4]>,
 }
 
-impl Owned {
-    fn columns(&self) -> usize {
-        self.rows[0].len()
-    }
+/// The tiles of a layer, by the plain reading of [`Order`].
+fn tiles(rows: &[Vec<i8>], order: Order) -> Vec<Tile> {
+    let blocks = rows.chunks(EDGE).flat_map(|rows| {
+        (0..order.packed()).step_by(EDGE).map(move |first| {
+            let weight = |row: usize, within: usize| {
+                let column = order.source(first + within)?;
+                rows.get(row).map(|row| row[column])
+            };
+            let row = |row| [0, 1, 2, 3].map(|within| weight(row, within).unwrap_or(0));
+            pack([0, 1, 2, 3].map(row))
+        })
+    });
+    blocks.collect()
+}
 
+impl Owned {
     fn low(&self) -> i8 {
         if self.cut { self.zero } else { -128 }
     }
 
     fn linear(&self) -> Linear<'_> {
         Linear {
-            weights: &self.bytes,
-            columns: self.columns(),
+            weights: &self.tiles,
+            columns: self.order.packed(),
             bias: &self.bias_bytes,
             multipliers: &self.multiplier_bytes,
             zero: self.zero,
@@ -63,7 +75,7 @@ impl Owned {
     }
 
     fn sum(&self, row: usize, input: &[i8]) -> i128 {
-        assert_eq!(input.len(), self.columns());
+        assert_eq!(input.len(), self.rows[row].len());
         let products =
             self.rows[row].iter().zip(input).map(|(&w, &q)| i128::from(w) * i128::from(q));
         i128::from(self.bias[row]) + products.sum::<i128>()
@@ -78,22 +90,18 @@ impl Owned {
     }
 }
 
-fn owned(rows: usize, columns: usize) -> impl Strategy<Value = Owned> {
-    let weights = prop::collection::vec(prop::collection::vec(weight(), columns), rows);
+fn owned(rows: usize, order: Order) -> impl Strategy<Value = Owned> {
+    let weights = prop::collection::vec(prop::collection::vec(weight(), order.columns()), rows);
     let bias = prop::collection::vec(-(1i32 << 24)..1 << 24, rows);
     let multipliers = prop::collection::vec(multiplier(), rows);
     (weights, bias, multipliers, byte(), any::<bool>()).prop_map(
-        |(rows, bias, multipliers, zero, cut)| {
-            let row = |row: &Vec<i8>| {
-                let mut bytes: Vec<u8> = row.iter().map(|&w| w as u8).collect();
-                bytes.resize(padded(row.len()), 0);
-                bytes
-            };
+        move |(rows, bias, multipliers, zero, cut)| {
             let le = |values: &[i32]| values.iter().map(|v| v.to_le_bytes()).collect();
             Owned {
-                bytes: rows.iter().flat_map(row).collect(),
+                tiles: tiles(&rows, order),
                 bias_bytes: le(&bias),
                 multiplier_bytes: le(&multipliers),
+                order,
                 rows,
                 bias,
                 multipliers,
@@ -107,17 +115,23 @@ fn owned(rows: usize, columns: usize) -> impl Strategy<Value = Owned> {
 /// A map and an input for it.
 fn case() -> impl Strategy<Value = (Owned, Vec<i8>)> {
     (1usize..9, 1usize..70).prop_flat_map(|(rows, columns)| {
-        (owned(rows, columns), prop::collection::vec(byte(), columns))
+        (owned(rows, Order::Plain { columns }), prop::collection::vec(byte(), columns))
     })
 }
 
-/// A convolution: map, stride, side, border and input.
-fn convolution() -> impl Strategy<Value = (Owned, usize, usize, i8, Vec<i8>)> {
-    (1usize..5, 1usize..6, 1usize..=2, 1usize..5).prop_flat_map(|(rows, channels, stride, half)| {
-        let side = 2 * half;
-        let input = prop::collection::vec(byte(), side * side * channels);
-        (owned(rows, 9 * channels), Just(stride), Just(side), byte(), input)
-    })
+/// A convolution: map, stride, side, channels, border and input.
+fn convolution() -> impl Strategy<Value = (Owned, usize, usize, usize, i8, Vec<i8>)> {
+    (1usize..9, 1usize..18, 1usize..=2, 1usize..7).prop_flat_map(
+        |(rows, channels, stride, side)| {
+            // Three channels at once are colours.
+            let order = match channels {
+                3 => Order::Colours,
+                _ => Order::Window { channels },
+            };
+            let input = prop::collection::vec(byte(), side * side * channels);
+            (owned(rows, order), Just(stride), Just(side), Just(channels), byte(), input)
+        },
+    )
 }
 
 proptest! {
@@ -140,20 +154,40 @@ proptest! {
 
     #[test]
     fn parts_accumulate_to_the_whole((map, input) in case(), cut in 0usize..70) {
-        let cut = cut.min(input.len());
+        let cut = (cut / EDGE * EDGE).min(input.len() / EDGE * EDGE);
         let mut sums = map.bias.clone();
         accumulate(&map.linear(), 0, &input[..cut], &mut sums);
         accumulate(&map.linear(), cut, &input[cut..], &mut sums);
-        for (row, sum) in sums.into_iter().enumerate() {
+        for (row, &sum) in sums.iter().enumerate() {
             prop_assert_eq!(i128::from(sum), map.sum(row, &input));
+        }
+        let mut output = vec![99; sums.len()];
+        requantize_all(&map.linear(), &sums, &mut output);
+        prop_assert_eq!(output, map.expected(&input));
+    }
+
+    #[test]
+    fn each_pixel_is_fully_connected((map, input) in case(), more in 0usize..9) {
+        let (channels, rows) = (input.len(), map.rows.len());
+        let mut pixels = input.repeat(more + 1);
+        let half = pixels.len() / 2;
+        pixels[..half].reverse();
+        let mut output = vec![99; (more + 1) * rows];
+        pointwise(&map.linear(), channels, &pixels, &mut Rows::new(), &mut output);
+        for (pixel, output) in pixels.chunks(channels).zip(output.chunks(rows)) {
+            prop_assert_eq!(output, map.expected(pixel));
         }
     }
 
     #[test]
-    fn a_convolution_is_its_definition((map, stride, side, border, input) in convolution()) {
-        let (channels, rows, out) = (map.columns() / 9, map.rows.len(), side / stride);
+    fn a_convolution_is_its_definition(
+        (map, stride, side, channels, border, input) in convolution(),
+    ) {
+        let (rows, out) = (map.rows.len(), side.div_ceil(stride));
         let mut output = vec![99; out * out * rows];
-        convolve(&map.linear(), stride, side, border, &input, &mut output);
+        let grid = Grid { values: &input, side, channels, border };
+        let kernel = if map.order == Order::Colours { convolve_colours } else { convolve };
+        kernel(&map.linear(), stride, &grid, &mut Rows::new(), &mut output);
         for (index, got) in output.chunks(rows).enumerate() {
             let (y, x) = ((index / out * stride) as isize, (index % out * stride) as isize);
             let mut window = Vec::new();
@@ -167,6 +201,18 @@ proptest! {
             }
             prop_assert_eq!(got, map.expected(&window));
         }
+    }
+
+    #[test]
+    fn a_tile_gives_its_weights_back(weights in prop::array::uniform4(prop::array::uniform4(weight()))) {
+        prop_assert_eq!(unpack(&pack(weights)), weights);
+    }
+
+    #[test]
+    fn a_tile_of_any_bytes_is_ours_or_shows_a_weight_of_minus_128(tile: Tile) {
+        let weights = unpack(&tile);
+        let ours = weights.as_flattened().iter().all(|&weight| weight != -128);
+        prop_assert!(!ours || pack(weights) == tile);
     }
 
     #[test]
@@ -220,12 +266,27 @@ fn halves_go_up_on_both_sides_of_zero() {
 }
 
 #[test]
+fn every_column_of_a_layer_has_one_place() {
+    let orders = [Order::Plain { columns: 27 }, Order::Window { channels: 12 }, Order::Colours];
+    for order in orders {
+        let mut places: Vec<_> = (0..order.packed()).filter_map(|at| order.source(at)).collect();
+        places.sort_unstable();
+        assert_eq!(places, (0..order.columns()).collect::<Vec<_>>(), "{order:?}");
+        assert_eq!(order.packed() % EDGE, 0);
+    }
+}
+
+#[test]
 fn odd_lengths_give_nothing_and_no_panic() {
     let mut output = [7; 4];
-    convolve(&Linear::default(), 1, 2, 0, &[1; 4], &mut output);
+    let grid = Grid { values: &[1; 4], side: 2, channels: 1, border: 0 };
+    let rows = &mut Rows::new();
+    convolve(&Linear::default(), 1, &grid, rows, &mut output);
+    convolve_colours(&Linear::default(), 1, &grid, rows, &mut output);
+    pointwise(&Linear::default(), 0, &[], rows, &mut output);
     fully_connected(&Linear::default(), &[], &mut output);
     let bias = [[0; 4]];
-    let wide = Linear { columns: 9 * 65, bias: &bias, ..Linear::default() };
-    convolve(&wide, 1, 2, 0, &[1; 4], &mut output);
+    let wide = Linear { columns: 72 * 9, bias: &bias, ..Linear::default() };
+    convolve(&wide, 1, &Grid { channels: 65, ..grid }, rows, &mut output);
     assert_eq!(output, [7; 4]);
 }

@@ -22,7 +22,7 @@
 use super::features::{COUNT, DIRECTION, Direction, Stance, count};
 use super::model::{Model, RANKS, STATE, WIDEST};
 use super::outlook::OUTLOOK;
-use crate::kernels::{accumulate, fully_connected, fully_connected_wide, mean, requantize};
+use crate::kernels::{accumulate, fully_connected, fully_connected_wide, mean, requantize_all};
 
 /// The part of a token's first layer that a view brings, the same for every candidate.
 #[derive(Clone, Copy, Debug)]
@@ -71,9 +71,7 @@ impl Model<'_> {
         let relation = stance.relation(candidate);
         accumulate(first, self.dimensions().embedding + DIRECTION, &relation, &mut totals);
         let (mut hidden, mut token) = ([0; WIDEST], [0; WIDEST]);
-        for ((hidden, total), multiplier) in hidden.iter_mut().zip(totals).zip(first.multipliers) {
-            *hidden = requantize(total, i32::from_le_bytes(*multiplier), first.zero, first.low);
-        }
+        requantize_all(first, &totals, &mut hidden);
         fully_connected(second, &hidden, &mut token);
         for ((sum, maximum), token) in sums.iter_mut().zip(maxima).zip(token) {
             *sum = sum.saturating_add(token.into());

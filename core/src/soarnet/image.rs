@@ -30,6 +30,16 @@ pub const DETAIL: usize = 8;
 /// Numbers of a sketch: covers, shape (16, 16), then details, shape (8, 8), each of 127.
 pub const SKETCH: usize = COVER * COVER + DETAIL * DETAIL;
 
+/// Numbers of a sketch that the network tells of each of its 8 x 8 cells: the covers of the cell's
+/// quarters, row by row, then its detail.
+pub const CELL: usize = 5;
+
+/// Where in a sketch the numbers of cell `cell` lie, 0 to 63, row by row.
+pub const fn places_in_sketch(cell: usize) -> [usize; CELL] {
+    let corner = 2 * (cell / DETAIL) * COVER + 2 * (cell % DETAIL);
+    [corner, corner + 1, corner + COVER, corner + COVER + 1, COVER * COVER + cell]
+}
+
 /// The longest side of a window, pixels.
 pub const LONGEST_WINDOW: u32 = 1 << 15;
 

@@ -72,7 +72,7 @@ impl<M: Memory + ?Sized> Memory for &mut M {
 /// Room for a fixed number of candidates and views of a network with tokens of `WIDTH` and embeddings
 /// of `EMBEDDING`, without a heap.
 ///
-/// A smaller network fits too. 128 candidates and 64 views of the default sizes take 144 KiB: 29 to
+/// A smaller network fits too. 128 candidates and 64 views of the default sizes take 148 KiB: 33 to
 /// encode photos in, 43 for the visual hull, 29 for the views and 43 for the candidates.
 #[derive(Clone, Debug)]
 pub struct Fixed<

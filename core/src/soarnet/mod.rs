@@ -66,12 +66,13 @@ mod scorer;
 
 pub use encoder::{Impression, Scratch};
 pub use image::{
-    COVER, DETAIL, INPUT, Image, ImageError, LONGEST_WINDOW, Pixels, SIDE, SKETCH, Window,
+    CELL, COVER, DETAIL, INPUT, Image, ImageError, LONGEST_WINDOW, Pixels, SIDE, SKETCH, Window,
+    places_in_sketch,
 };
 pub use memory::{Fixed, Lists, ListsMut, Memory};
 pub use model::{
-    Dimensions, EncoderParts, Fault, Layer, Model, ModelError, Network, RANKS, STATE, Stage,
-    VERSION, WIDEST, WriteError,
+    Aligned, Dimensions, EncoderParts, Fault, Layer, Model, ModelError, Network, RANKS, STATE,
+    Stage, VERSION, WIDEST, WriteError,
 };
 pub use outlook::{Form, OUTLOOK};
 pub use scorer::{Photo, PhotoError, SetupError, SoarNet};

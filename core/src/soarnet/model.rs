@@ -7,12 +7,15 @@
 use core::fmt;
 
 use super::features::{COUNT, DIRECTION, RELATION};
+use super::image::CELL;
 use super::outlook::OUTLOOK;
 use crate::checksum::CRC;
-use crate::kernels::{Addition, LARGEST_ADDITION, Linear, padded};
+use crate::kernels::{
+    Addition, EDGE, LARGEST_ADDITION, LARGEST_SECOND, Linear, Order, pack, unpack,
+};
 
 /// The version of model files that is written, and the only one that is read.
-pub const VERSION: u16 = 2;
+pub const VERSION: u16 = 3;
 
 const MAGIC: [u8; 4] = *b"SOAR";
 const HEADER: usize = 28;
@@ -60,23 +63,29 @@ enum Output {
 struct Shape {
     name: &'static str,
     rows: usize,
-    columns: usize,
+    order: Order,
     output: Output,
 }
 
 impl Shape {
     const fn new(name: &'static str, rows: usize, columns: usize, output: Output) -> Self {
-        Self { name, rows, columns, output }
+        Self { name, rows, order: Order::Plain { columns }, output }
+    }
+
+    const fn window(name: &'static str, rows: usize, channels: usize, output: Output) -> Self {
+        Self { name, rows, order: Order::Window { channels }, output }
+    }
+
+    /// Rows in the file.
+    fn packed_rows(&self) -> usize {
+        self.rows.next_multiple_of(EDGE)
     }
 
     /// Bytes in the file.
     fn length(&self) -> usize {
-        4 + self.rows * (8 + padded(self.columns))
+        4 + self.packed_rows() * (8 + self.order.packed())
     }
 }
-
-/// Numbers that a sketch tells of a cell of 8 x 8 pixels.
-pub(super) const CELL: usize = 5;
 
 /// Bytes of the sum of two maps in the file.
 const ADDITION: usize = 12;
@@ -89,16 +98,16 @@ impl Dimensions {
 
     fn stem(&self) -> Shape {
         let [stem, ..] = self.channels;
-        Shape::new("stem", stem, 27, Output::Cut)
+        Shape { name: "stem", rows: stem, order: Order::Colours, output: Output::Cut }
     }
 
     fn stages(&self) -> [[Shape; 3]; 3] {
         let [c0, c1, c2, c3] = self.channels;
         let stage = |[down, first, second]: [&'static str; 3], from: usize, to: usize| {
             [
-                Shape::new(down, to, 9 * from, Output::Cut),
-                Shape::new(first, to, 9 * to, Output::Cut),
-                Shape::new(second, to, 9 * to, Output::Signed),
+                Shape::window(down, to, from, Output::Cut),
+                Shape::window(first, to, to, Output::Cut),
+                Shape::window(second, to, to, Output::Signed),
             ]
         };
         [
@@ -235,6 +244,11 @@ pub enum Fault {
         /// The row.
         row: usize,
     },
+    /// The sum of a second row of two, without its bias, could leave 24 bits.
+    Second {
+        /// The row.
+        row: usize,
+    },
 }
 
 impl fmt::Display for ModelError {
@@ -276,6 +290,7 @@ impl fmt::Display for Fault {
             Self::Multiplier => f.write_str("a multiplier is negative or too large"),
             Self::Weight => f.write_str("a weight is -128, which no kernel takes"),
             Self::Overflow { row } => write!(f, "the sum of row {row} could leave 32 bits"),
+            Self::Second { row } => write!(f, "the weights of row {row} could leave 24 bits"),
         }
     }
 }
@@ -397,6 +412,21 @@ impl<'a> Model<'a> {
     }
 }
 
+/// Bytes that lie at a multiple of 4, as the kernels of a Cortex-M want a model file for speed.
+///
+/// ```
+/// # use vantage_core::soarnet::{Aligned, Model, ModelError};
+/// # macro_rules! include_bytes { ($path:literal) => { b"foreign" } }
+/// static FILE: &Aligned<[u8]> = &Aligned(*include_bytes!("soarnet.model"));
+/// assert_eq!(Model::parse(&FILE.0).err(), Some(ModelError::Foreign));
+/// ```
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(4))]
+pub struct Aligned<T: ?Sized>(
+    /// The bytes.
+    pub T,
+);
+
 /// What is left of a file.
 struct Reader<'a> {
     rest: &'a [u8],
@@ -425,28 +455,47 @@ impl<'a> Reader<'a> {
         if shape.output == Output::Wide && zero != 0 {
             return Err(fault(Fault::Zero));
         }
-        let (bias, _) = self.take(4 * shape.rows)?.as_chunks::<4>();
-        let (multipliers, _) = self.take(4 * shape.rows)?.as_chunks::<4>();
-        let weights = self.take(shape.rows * padded(shape.columns))?;
+        let (rows, columns) = (shape.packed_rows(), shape.order.packed());
+        let (bias, _) = self.take(4 * rows)?.as_chunks::<4>();
+        let (multipliers, _) = self.take(4 * rows)?.as_chunks::<4>();
+        let (weights, _) = self.take(rows * columns)?.as_chunks::<{ EDGE * EDGE }>();
         if multipliers.iter().any(|multiplier| i32::from_le_bytes(*multiplier) < 0) {
             return Err(fault(Fault::Multiplier));
         }
         let low = if shape.output == Output::Cut { zero } else { -128 };
-        let linear = Linear { weights, columns: shape.columns, bias, multipliers, zero, low };
-        for (row, (weights, bias)) in weights.chunks_exact(linear.stride()).zip(bias).enumerate() {
-            let (weights, padding) = weights.split_at_checked(shape.columns).ok_or(self.short)?;
-            if padding.iter().any(|&byte| byte != 0) {
-                return Err(fault(Fault::Reserved));
+        let linear = Linear { weights, columns, bias, multipliers, zero, low };
+
+        let blocks = weights.chunks_exact(linear.stride()).zip(bias.as_chunks::<EDGE>().0);
+        let blocks = blocks.zip(multipliers.as_chunks::<EDGE>().0);
+        for (first, ((tiles, bias), multipliers)) in (0..).step_by(EDGE).zip(blocks) {
+            let mut sizes = [0; EDGE]; // of the weights of each row, at most 127 · 1152
+            for (at, tile) in (0..).step_by(EDGE).zip(tiles) {
+                let used = [0, 1, 2, 3].map(|within| shape.order.source(at + within).is_some());
+                for (row, (size, weights)) in sizes.iter_mut().zip(unpack(tile)).enumerate() {
+                    for (weight, used) in weights.into_iter().zip(used) {
+                        if weight == i8::MIN {
+                            return Err(fault(Fault::Weight));
+                        }
+                        if weight != 0 && !(used && first + row < shape.rows) {
+                            return Err(fault(Fault::Reserved));
+                        }
+                        *size += u32::from(weight.unsigned_abs());
+                    }
+                }
             }
-            // Not `contains`, which leaves a panic path.
-            if weights.iter().any(|&weight| weight as i8 == i8::MIN) {
-                return Err(fault(Fault::Weight));
-            }
-            // At most 128 · 127 · 1024, so only the bias can make it too large.
-            let sizes = weights.iter().map(|&weight| u32::from((weight as i8).unsigned_abs()));
-            let largest = 128 * sizes.sum::<u32>();
-            if largest.saturating_add(i32::from_le_bytes(*bias).unsigned_abs()) > i32::MAX as u32 {
-                return Err(fault(Fault::Overflow { row }));
+            let numbers = sizes.into_iter().zip(bias).zip(multipliers).enumerate();
+            for (within, ((size, bias), multiplier)) in numbers {
+                let row = first + within;
+                if row >= shape.rows && [*bias, *multiplier] != [[0; 4]; 2] {
+                    return Err(fault(Fault::Reserved));
+                }
+                let bias = i32::from_le_bytes(*bias).unsigned_abs();
+                if (128 * size).saturating_add(bias) > i32::MAX as u32 {
+                    return Err(fault(Fault::Overflow { row }));
+                }
+                if within % 2 == 1 && 128 * size > LARGEST_SECOND {
+                    return Err(fault(Fault::Second { row }));
+                }
             }
         }
         Ok(linear)
@@ -658,21 +707,32 @@ impl Writer<'_> {
     }
 
     fn layer(&mut self, shape: &Shape, layer: &Layer<'_>) -> Result<(), WriteError> {
-        let &Shape { name, rows, columns, .. } = shape;
+        let &Shape { name, rows, order, .. } = shape;
+        let columns = order.columns();
         let Layer { weights, bias, multipliers, zero } = layer;
         if weights.len() != rows * columns || bias.len() != rows || multipliers.len() != rows {
             return Err(WriteError::Shape { layer: name, rows, columns });
         }
         self.zero(*zero)?;
-        for value in bias.iter().chain(*multipliers) {
-            self.put(&value.to_le_bytes())?;
-        }
-        for row in weights.chunks_exact(columns.max(1)) {
-            for &weight in row {
-                self.put(&[weight as u8])?;
+        for list in [bias, multipliers] {
+            let zeros = [0].iter().cycle();
+            for value in list.iter().chain(zeros).take(shape.packed_rows()) {
+                self.put(&value.to_le_bytes())?;
             }
-            for _ in columns..padded(columns) {
-                self.put(&[0])?;
+        }
+        let weight = |row: usize, packed: usize| {
+            let column = order.source(packed)?;
+            weights.get(row * columns + column).copied()
+        };
+        for first in (0..rows).step_by(EDGE) {
+            for at in (0..order.packed()).step_by(EDGE) {
+                let mut tile = [[0; EDGE]; EDGE];
+                for (row, weights) in (first..).zip(&mut tile) {
+                    for (packed, place) in (at..).zip(weights) {
+                        *place = weight(row, packed).unwrap_or(0);
+                    }
+                }
+                self.put(&pack(tile))?;
             }
         }
         Ok(())

@@ -19,10 +19,10 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use serde::Serialize;
 use vantage_core::candidates::{Pool, ViewSpace};
-use vantage_core::soarnet::OUTLOOK;
 use vantage_core::soarnet::features::{COUNT, DIRECTION, RELATION, Stance};
+use vantage_core::soarnet::{CELL, DETAIL, OUTLOOK};
 use vantage_core::{Pose, Vec3};
-use vantage_train::net::{CELL, CELLS, Network, OBJECTIVES, Question, SIDE, STATE, Shape};
+use vantage_train::net::{Network, OBJECTIVES, Question, SIDE, STATE, Shape};
 use vantage_train::{onnx, samples};
 
 /// Numbers of views and candidates of the states.
@@ -176,7 +176,7 @@ impl Ask {
         ]);
         if let Some(sketches) = answer.sketches {
             let cells = values(sketches.seen)?;
-            outputs.insert("sketch", array(&[views, CELL, CELLS, CELLS], &cells));
+            outputs.insert("sketch", array(&[views, CELL, DETAIL, DETAIL], &cells));
         }
         Ok(State { inputs, outputs })
     }

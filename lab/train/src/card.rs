@@ -8,12 +8,11 @@ use clap::Parser;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use vantage_core::soarnet::features::{COUNT, DIRECTION, RELATION};
-use vantage_core::soarnet::{Dimensions, Model, OUTLOOK, RANKS, STATE};
+use vantage_core::soarnet::{CELL, Dimensions, Model, OUTLOOK, RANKS, STATE};
 use vantage_lab::commands::compare::{CompareArgs, compare};
 use vantage_lab::dataset::Parameters;
 
 use crate::fit::Course;
-use crate::net::CELL;
 use crate::quantize::Agreement;
 
 /// The budgets that are measured.

@@ -23,7 +23,7 @@ use burn::tensor::activation::relu;
 use burn::tensor::{Device, Tensor};
 use serde::{Deserialize, Serialize};
 use vantage_core::soarnet::features::{COUNT, DIRECTION, RELATION};
-use vantage_core::soarnet::{OUTLOOK, SKETCH};
+use vantage_core::soarnet::{CELL, DETAIL, OUTLOOK, SKETCH};
 
 /// Side of a photo in pixels.
 pub const SIDE: usize = 64;
@@ -31,10 +31,6 @@ pub const SIDE: usize = 64;
 pub const LAST: usize = 4;
 /// Outputs of G: scores, means, spreads.
 pub const STATE: usize = 12;
-/// Numbers of a cell of a sketch: the covers of its quarters, and its detail.
-pub const CELL: usize = 5;
-/// Cells on a side of a sketch.
-pub const CELLS: usize = 8;
 /// C, Q, D, T.
 pub const OBJECTIVES: usize = 4;
 
@@ -174,7 +170,7 @@ impl Encoder {
         let mut sketch = None;
         for (down, residual) in self.down.iter().zip(&self.residual) {
             x = residual.forward(relu(down.forward(x)));
-            if x.dims()[2] == CELLS {
+            if x.dims()[2] == DETAIL {
                 sketch = Some(self.sketch.forward(x.clone()));
             }
         }

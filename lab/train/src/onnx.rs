@@ -25,11 +25,11 @@ use tract_onnx::pb::{
     tensor_shape_proto::{Dimension, dimension::Value},
     type_proto,
 };
-use vantage_core::soarnet::OUTLOOK;
 use vantage_core::soarnet::features::{COUNT, DIRECTION, RELATION};
+use vantage_core::soarnet::{CELL, DETAIL, OUTLOOK};
 
 use crate::files::write_whole;
-use crate::net::{CELL, CELLS, Encoder, Network, Normalised, OBJECTIVES, SIDE, STATE};
+use crate::net::{Encoder, Network, Normalised, OBJECTIVES, SIDE, STATE};
 
 /// The ONNX operator set that is used.
 const OPSET: i64 = 17;
@@ -64,7 +64,7 @@ pub fn model(net: &Network) -> ModelProto {
         value("state", &[Ok(1), Ok(STATE)]),
     ];
     if net.encoder.is_some() {
-        output.push(value("sketch", &[Err("views"), Ok(CELL), Ok(CELLS), Ok(CELLS)]));
+        output.push(value("sketch", &[Err("views"), Ok(CELL), Ok(DETAIL), Ok(DETAIL)]));
     }
     ModelProto {
         ir_version: IR_VERSION,

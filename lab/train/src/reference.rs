@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, anyhow, ensure};
 use tract_onnx::pb::ModelProto;
 use tract_onnx::prelude::*;
-use vantage_core::soarnet::OUTLOOK;
 use vantage_core::soarnet::features::{COUNT, DIRECTION, RELATION};
+use vantage_core::soarnet::{CELL, OUTLOOK};
 
-use crate::net::{CELL, LAST, OBJECTIVES, SIDE, STATE, Shape};
+use crate::net::{LAST, OBJECTIVES, SIDE, STATE, Shape};
 use crate::samples::State;
 
 /// A named array.

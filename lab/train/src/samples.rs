@@ -7,12 +7,12 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
 use vantage_core::soarnet::features::{self, COUNT, DIRECTION, Direction, RELATION, Stance};
-use vantage_core::soarnet::{COVER, Form, OUTLOOK, SKETCH};
+use vantage_core::soarnet::{CELL, DETAIL, Form, OUTLOOK, SKETCH, places_in_sketch};
 use vantage_core::{Pose, Scores, Vec3};
 use vantage_lab::dataset::{Dataset, ObjectData, Split};
 
 use crate::augment::{Look, PHOTO};
-use crate::net::{CELLS, OBJECTIVES, Question, SIDE, STATE};
+use crate::net::{OBJECTIVES, Question, SIDE, STATE};
 
 /// One object, as far as training needs it.
 pub struct Object {
@@ -454,39 +454,27 @@ impl Batch {
             state: Tensor::from_data(TensorData::new(state, [states, STATE]), device),
             sketches: (!self.sketches.is_empty()).then(|| {
                 let shape = [self.sketches.len() / SKETCH, SKETCH];
-                let cells: Vec<f32> =
-                    self.sketches.chunks_exact(SKETCH).flat_map(by_cell).collect();
+                let sketches = self.sketches.chunks_exact(SKETCH);
+                let cells: Vec<f32> = sketches
+                    .flat_map(|sketch| places_by_cell().map(|place| sketch[place]))
+                    .collect();
                 Tensor::from_data(TensorData::new(cells, shape), device)
             }),
         }
     }
 }
 
-/// A sketch, (16, 16) and (8, 8), as the network's map of cells: (5, 8, 8), the covers of a cell's
-/// quarters before its detail.
-fn by_cell(sketch: &[f32]) -> impl Iterator<Item = f32> + '_ {
-    let (cover, detail) = sketch.split_at(COVER * COVER);
-    let quarter = move |channel: usize, cell: usize| {
-        let (y, x) = (2 * (cell / CELLS) + channel / 2, 2 * (cell % CELLS) + channel % 2);
-        cover[y * COVER + x]
-    };
-    let cells = 0..CELLS * CELLS;
-    let covers = (0..4).flat_map(move |channel| cells.clone().map(move |c| quarter(channel, c)));
-    covers.chain(detail.iter().copied())
+/// For each number of the network's map of cells, (5, 8, 8) in row-major order, its place in a sketch.
+fn places_by_cell() -> impl Iterator<Item = usize> {
+    (0..CELL)
+        .flat_map(|number| (0..DETAIL * DETAIL).map(move |cell| places_in_sketch(cell)[number]))
 }
 
 /// A sketch as `core` has it, from a map of cells (5, 8, 8).
 pub fn sketch_of(cells: &[f32]) -> [i8; SKETCH] {
     let mut sketch = [0; SKETCH];
-    for (place, &share) in cells.iter().enumerate().take(SKETCH) {
-        let (channel, cell) = (place / (CELLS * CELLS), place % (CELLS * CELLS));
-        let at = if channel < 4 {
-            let (y, x) = (2 * (cell / CELLS) + channel / 2, 2 * (cell % CELLS) + channel % 2);
-            y * COVER + x
-        } else {
-            COVER * COVER + cell
-        };
-        sketch[at] = (share * 127.0).round().clamp(-128.0, 127.0) as i8;
+    for (place, &share) in places_by_cell().zip(cells) {
+        sketch[place] = (share * 127.0).round().clamp(-128.0, 127.0) as i8;
     }
     sketch
 }
