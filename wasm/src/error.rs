@@ -41,11 +41,6 @@ impl Refusal {
         Self { code: "bad-pool", message }
     }
 
-    /// Bytes are no picture.
-    pub fn bad_photo(message: String) -> Self {
-        Self { code: "bad-photo", message }
-    }
-
     /// Numbers are no mesh.
     pub fn bad_mesh(message: String) -> Self {
         Self { code: "bad-mesh", message }
@@ -129,7 +124,7 @@ impl From<Infallible> for Refusal {
 
 impl From<ImageError> for Refusal {
     fn from(error: ImageError) -> Self {
-        Self::bad_photo(error.to_string())
+        Self { code: "bad-photo", message: error.to_string() }
     }
 }
 

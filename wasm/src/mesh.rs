@@ -177,3 +177,121 @@ fn faces(positions: &[f32], indices: &[u32]) -> Result<Vec<Face>, Refusal> {
     }
     Ok(faces)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A box of 1 x 1 x 2, twelve triangles; the first two are its bottom.
+    fn cuboid() -> (Vec<f32>, Vec<u32>) {
+        let corners = (0..8u32).flat_map(|i| [i & 1, i >> 1 & 1, 2 * (i >> 2)]);
+        let positions = corners.map(|c| c as f32).collect();
+        let indices = vec![
+            0, 2, 1, 1, 2, 3, // bottom
+            4, 5, 6, 5, 7, 6, // top
+            0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, // front, back
+            0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5, // left, right
+        ];
+        (positions, indices)
+    }
+
+    fn code(positions: &[f32], indices: &[u32]) -> &'static str {
+        MeshLedger::of_mesh(positions, indices).unwrap_err().code()
+    }
+
+    #[test]
+    fn coverage_is_the_share_of_area_that_was_seen() {
+        let (positions, indices) = cuboid();
+        let mut ledger = MeshLedger::of_mesh(&positions, &indices).unwrap();
+        let coverage = |ledger: &MeshLedger| ledger.ledger.borrow_dependent().scores().coverage;
+        assert_eq!(coverage(&ledger), 0.0);
+        ledger.see(Vec3::new(0.5, 0.5, -3.0), &[0, 1, 1, 2]).unwrap();
+        assert!((coverage(&ledger) - 0.1).abs() < 1e-6);
+        // Seen again, and half of the front.
+        ledger.see(Vec3::new(0.5, -3.0, 0.5), &[5, 1, 0]).unwrap();
+        assert!((coverage(&ledger) - 0.2).abs() < 1e-6);
+    }
+
+    #[test]
+    fn the_scores_are_those_of_the_core() {
+        let (positions, indices) = cuboid();
+        let mut ledger = MeshLedger::of_mesh(&positions, &indices).unwrap();
+        let shares = [1.0, 1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 2.0, 2.0, 2.0, 2.0, 2.0].map(|a| a / 20.0);
+        let normals = [Vec3::NEG_Z, Vec3::Z, Vec3::NEG_Y, Vec3::Y, Vec3::NEG_X, Vec3::X];
+        let faces: Vec<Face> = (0..12)
+            .map(|face| {
+                let corners = [0, 1, 2].map(|corner| {
+                    let vertex = 3 * indices[3 * face + corner] as usize;
+                    Vec3::from_slice(&positions[vertex..vertex + 3])
+                });
+                Face {
+                    centroid: corners.iter().sum::<Vec3>() / 3.0,
+                    normal: normals[face / 2],
+                    area_share: shares[face],
+                    complexity: 0.0,
+                }
+            })
+            .collect();
+        let mut accounts = [FaceAccount::default(); 12];
+        let surface = Surface::try_new(&faces, 0.0).unwrap();
+        let mut expected = Ledger::try_new(surface, Reading::default(), &mut accounts).unwrap();
+        for (camera, seen) in [
+            (Vec3::new(4.0, 1.0, 2.0), 0b1100_0000_1100u32),
+            (Vec3::new(3.0, 3.0, 1.0), 0b1100_1100_0000),
+            (Vec3::new(-4.0, 0.5, 3.0), 0b0011_0000_1100),
+        ] {
+            let ids: Vec<u32> =
+                (0..12).filter(|face| seen >> face & 1 == 1).map(|f| f + 1).collect();
+            ledger.see(camera, &ids).unwrap();
+            let words = [seen];
+            expected.add(
+                camera,
+                &Sighting {
+                    faces: FaceSet::new(&words),
+                    textured: &[],
+                    textured_background: 0,
+                    pixels: 0,
+                },
+            );
+        }
+        let scores = ledger.ledger.borrow_dependent().scores();
+        assert!(scores.diversity > 0.0);
+        assert_eq!(scores, expected.scores());
+    }
+
+    #[test]
+    fn a_face_that_is_not_there_is_refused_and_nothing_changes() {
+        let (positions, indices) = cuboid();
+        let mut ledger = MeshLedger::of_mesh(&positions, &indices).unwrap();
+        for id in [13, 32, 33, u32::MAX] {
+            let refused = ledger.see(Vec3::ONE, &[1, id]).unwrap_err();
+            assert_eq!(refused.code(), "bad-argument");
+        }
+        assert_eq!(ledger.ledger.borrow_dependent().views(), 0);
+    }
+
+    #[test]
+    fn what_is_no_mesh_is_refused() {
+        let (positions, indices) = cuboid();
+        assert_eq!(code(&positions, &[]), "bad-mesh");
+        assert_eq!(code(&positions, &indices[1..]), "bad-mesh");
+        assert_eq!(code(&positions[1..], &indices), "bad-mesh");
+        assert_eq!(code(&positions, &[0, 1, 8]), "bad-mesh");
+        assert_eq!(code(&positions, &[0, 0, 1]), "bad-mesh");
+        assert_eq!(code(&[f32::NAN; 9], &[0, 1, 2]), "bad-mesh");
+        assert_eq!(
+            code(&[f32::MAX, 0.0, 0.0, 0.0, f32::MAX, 0.0, 0.0, 0.0, 0.0], &[0, 1, 2]),
+            "bad-mesh"
+        );
+        assert_eq!(code(&positions, &vec![0; 3 * (MOST_FACES + 1)]), "too-large");
+    }
+
+    #[test]
+    fn a_face_without_area_has_no_share() {
+        let (positions, mut indices) = cuboid();
+        indices.extend([3, 3, 5]);
+        let mut ledger = MeshLedger::of_mesh(&positions, &indices).unwrap();
+        ledger.see(Vec3::ONE, &[13]).unwrap();
+        assert_eq!(ledger.ledger.borrow_dependent().scores().coverage, 0.0);
+    }
+}

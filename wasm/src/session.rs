@@ -117,7 +117,7 @@ impl Session {
     }
 
     /// Takes in that candidate `index` was photographed, at `pose` if not exactly at its own. A network
-    /// that sees photos needs one; without a network it is not looked at.
+    /// that sees photos needs one; without a network it is only checked.
     pub fn observe(
         &mut self,
         index: f64,
@@ -184,15 +184,11 @@ impl Session {
     /// model, or before the first photo.
     pub fn gains(
         &mut self,
-        #[wasm_bindgen(unchecked_param_type = "Objective")] objective: &str,
+        #[wasm_bindgen(unchecked_param_type = "Objective")] objective: &JsValue,
     ) -> Result<Vec<f32>, Refusal> {
-        let objective = input::objective(objective).ok_or_else(|| {
-            Refusal::bad_argument(format!(
-                "there is no objective `{objective}`; there are coverage, geometry, diversity and \
-                 texture"
-            ))
-        })?;
-        Ok(self.expected(objective))
+        let objective = objective.as_string().and_then(|name| input::objective(&name));
+        let refused = "`objective` must be coverage, geometry, diversity or texture";
+        Ok(self.expected(objective.ok_or_else(|| Refusal::bad_argument(refused.into()))?))
     }
 
     /// How far the capture is.
@@ -294,6 +290,8 @@ impl Session {
             let session = CoreSession::try_new(Growing::new(usize::MAX), poses, Blind, plan)?;
             return Ok(Self { inner: Inner::Poses(session) });
         };
+        // Before the network asks the same centre for directions, and finds none.
+        plan.check(pool.poses.len())?;
         let networked = Networked::try_new(Rc::clone(&model.bytes), |bytes| {
             let scorer = scorer(bytes, &plan, &pool.poses)?;
             let memory = Growing::new(MOST_NETWORK_VIEWS);
@@ -433,4 +431,173 @@ fn poses_suffice(plan: &Plan) -> Result<(), Refusal> {
 
 fn whole_index(index: f64) -> Result<usize, Refusal> {
     input::whole("index", index, u32::MAX)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::tests::shipped;
+    use vantage_core::Vec3;
+    use vantage_core::candidates::{Pool as CorePool, ViewSpace};
+    use vantage_core::planner::Stop;
+
+    const CENTRE: Vec3 = Vec3::new(0.1, -0.2, 0.3);
+
+    fn pool(count: usize) -> Pool {
+        let pool = CorePool::try_new(ViewSpace::FibonacciSphere, count, 3.0).unwrap();
+        Pool { poses: pool.with_target(CENTRE).unwrap().iter().collect(), centre: CENTRE }
+    }
+
+    fn session(plan: Plan, model: Option<&Model>) -> Session {
+        Session::begin(&pool(40), plan.with_centre(CENTRE), model).unwrap()
+    }
+
+    fn next(session: &mut Session) -> Option<(usize, Pose, f32)> {
+        let next = change!(&mut session.inner, session => session.next_view())?;
+        Some((next.index, next.pose, next.gain))
+    }
+
+    /// Takes up to `most` views of no picture; the indices and the gains.
+    fn carry_on(session: &mut Session, most: usize) -> Vec<(usize, f32)> {
+        let mut taken = Vec::new();
+        while taken.len() < most
+            && let Some((index, pose, gain)) = next(session)
+        {
+            session.take_in(Some(index), pose, None).unwrap();
+            taken.push((index, gain));
+        }
+        taken
+    }
+
+    #[test]
+    fn a_plan_that_asks_for_gains_needs_a_model() {
+        let [_, model] = shipped();
+        let begin = |plan, model| Session::begin(&pool(40), plan, model).map(|_| ());
+        assert_eq!(begin(Plan::ensemble(5), None).unwrap_err().code(), "needs-model");
+        assert_eq!(begin(Plan::ensemble(5), Some(&model)), Ok(()));
+        assert_eq!(begin(Plan::random(5), None), Ok(()));
+    }
+
+    #[test]
+    fn a_network_that_sees_photos_refuses_to_go_without_and_nothing_changes() {
+        let [model, _] = shipped();
+        let mut session = session(Plan::ensemble(5), Some(&model));
+        let chosen = next(&mut session);
+        let (index, pose, _) = chosen.unwrap();
+        let refused = session.take_in(Some(index), pose, None);
+        assert_eq!(refused.unwrap_err().code(), "needs-photo");
+        assert!(session.taken().is_empty());
+        assert_eq!(next(&mut session), chosen);
+    }
+
+    #[test]
+    fn a_session_outlives_its_model_and_its_pool() {
+        let [_, model] = shipped();
+        let mut session = session(Plan::ensemble(8), Some(&model));
+        drop(model);
+        assert_eq!(carry_on(&mut session, 99).len(), 8);
+        assert_eq!(session.ended(), Some(Finish::BudgetSpent));
+    }
+
+    #[test]
+    fn a_restored_session_goes_on_to_the_same_plan() {
+        let [_, model] = shipped();
+        for (plan, model) in
+            [(Plan::ensemble(12), Some(&model)), (Plan::random(12).with_seed(4), None)]
+        {
+            let mut session = session(plan, model);
+            carry_on(&mut session, 5);
+            let kept = session.snapshot().unwrap();
+            let mut again = Session::from_snapshot(&kept, model).unwrap();
+            assert_eq!(again.has_model(), model.is_some());
+            assert_eq!(again.plan().centre(), CENTRE);
+            let rest = carry_on(&mut session, 99);
+            assert_eq!(rest.len(), 7);
+            assert_eq!(carry_on(&mut again, 99), rest);
+            assert_eq!(again.scores(), session.scores());
+        }
+    }
+
+    #[test]
+    fn a_snapshot_is_refused_without_its_model_or_with_another() {
+        let [sees, poses] = shipped();
+        let mut session = session(Plan::sum(6), Some(&poses));
+        carry_on(&mut session, 3);
+        let mut kept = session.snapshot().unwrap();
+        let code = |bytes: &[u8], model| Session::from_snapshot(bytes, model).err().unwrap().code();
+        assert_eq!(code(&kept, None), "needs-model");
+        assert_eq!(code(&kept, Some(&sees)), "other-model");
+        assert_eq!(code(&kept[1..], Some(&poses)), "bad-snapshot");
+        kept[40] ^= 1;
+        assert_eq!(code(&kept, Some(&poses)), "bad-snapshot");
+        kept[4] = 77;
+        assert_eq!(code(&kept, Some(&poses)), "other-version");
+    }
+
+    #[test]
+    fn nothing_is_known_without_a_model_or_a_photo() {
+        let [_, model] = shipped();
+        let mut blind = session(Plan::farthest_point(4), None);
+        carry_on(&mut blind, 2);
+        let mut fresh = session(Plan::ensemble(4), Some(&model));
+        for session in [&mut blind, &mut fresh] {
+            assert!(!session.knows());
+            assert!(session.expected(Objective::Coverage).iter().all(|gain| gain.is_nan()));
+        }
+        carry_on(&mut fresh, 1);
+        assert!(fresh.knows());
+    }
+
+    #[test]
+    fn gains_are_those_that_the_plan_goes_by_and_nan_where_nothing_can_be_had() {
+        let [_, model] = shipped();
+        let mut session = session(Plan::single(Objective::Diversity, 20), Some(&model));
+        carry_on(&mut session, 4);
+        change!(&mut session.inner, session => session.block(7)).unwrap();
+        let gains = session.expected(Objective::Diversity);
+        for (index, gain) in gains.iter().enumerate() {
+            assert_eq!(gain.is_nan(), !session.candidates()[index].is_available(), "{index}");
+        }
+        assert!(gains[7].is_nan());
+        let (index, _, gain) = next(&mut session).unwrap();
+        assert_eq!(gains[index], gain);
+        assert_eq!(session.gain_left().diversity, gain);
+    }
+
+    #[test]
+    fn the_stop_rule_is_what_says_enough() {
+        let [_, model] = shipped();
+        let stop = Stop { gain: 1.0, patience: 2 };
+        let mut session = session(Plan::ensemble(30).with_stop(stop), Some(&model));
+        assert_eq!(carry_on(&mut session, 99).len(), 5);
+        assert_eq!(session.ended(), Some(Finish::GoodEnough));
+    }
+
+    #[test]
+    fn a_network_remembers_256_views_and_no_more_can_be_asked_for() {
+        let [_, model] = shipped();
+        let begin = |budget| Session::begin(&pool(300), Plan::ensemble(budget), Some(&model));
+        assert_eq!(begin(257).err().unwrap().code(), "too-large");
+        let mut session = begin(256).unwrap();
+        let pose = *session.candidates()[0].pose();
+        for _ in 0..256 {
+            session.take_in(None, pose, None).unwrap();
+        }
+        assert_eq!(session.take_in(None, pose, None).unwrap_err().code(), "too-large");
+        assert_eq!(session.taken().len(), 256);
+        // The largest snapshot of this model can be read again.
+        let kept = session.snapshot().unwrap();
+        assert_eq!(Session::from_snapshot(&kept, Some(&model)).unwrap().taken().len(), 256);
+    }
+
+    #[test]
+    fn a_tour_visits_what_it_is_given() {
+        let session = session(Plan::random(3), None);
+        let (mut order, length_rad) = session.ordered(&[9, 3, 30, 12]).unwrap();
+        assert!(length_rad > 0.0);
+        order.sort_unstable();
+        assert_eq!(order, [3, 9, 12, 30]);
+        assert_eq!(session.ordered(&[40]).unwrap_err().code(), "unknown-candidate");
+        assert_eq!(session.ordered(&[0; 1025]).unwrap_err().code(), "too-large");
+    }
 }

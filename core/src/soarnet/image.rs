@@ -56,6 +56,8 @@ pub enum Pixels {
     Rgb565,
     /// One byte of brightness: red, green and blue alike.
     Luma8,
+    /// Four bytes: red, green, blue, and an alpha that is not looked at.
+    Rgba8888,
 }
 
 impl Pixels {
@@ -65,6 +67,7 @@ impl Pixels {
             Self::Rgb888 => 3,
             Self::Rgb565 => 2,
             Self::Luma8 => 1,
+            Self::Rgba8888 => 4,
         }
     }
 }
@@ -227,6 +230,11 @@ impl<'a> Image<'a> {
                     .map(|colour| colour as u8)
             }
             Pixels::Luma8 => [self.bytes.get(index).copied().unwrap_or_default(); 3],
+            Pixels::Rgba8888 => {
+                let pixel = self.bytes.as_chunks::<4>().0.get(index).copied();
+                let [red, green, blue, _] = pixel.unwrap_or_default();
+                [red, green, blue]
+            }
         }
     }
 }
@@ -363,6 +371,14 @@ mod tests {
         assert_eq!(colours, [[0; 3], [77; 3], [255; 3]]);
         let short = ImageError::Length { expected: 3, got: 2 };
         assert_eq!(Image::try_new(3, 1, Pixels::Luma8, &[0; 2]), Err(short));
+    }
+
+    #[test]
+    fn alpha_is_not_looked_at() {
+        let image = Image::try_new(2, 1, Pixels::Rgba8888, &[1, 2, 3, 99, 4, 5, 6, 0]).unwrap();
+        assert_eq!([image.pixel(0, 0), image.pixel(1, 0)], [[1, 2, 3], [4, 5, 6]]);
+        let short = ImageError::Length { expected: 8, got: 6 };
+        assert_eq!(Image::try_new(2, 1, Pixels::Rgba8888, &[0; 6]), Err(short));
     }
 
     #[test]
