@@ -1,6 +1,7 @@
 // What happens when a person does something: asks the worker, renders, tells the state.
 
 import { Advice } from "./advice.js";
+import { BOARD } from "./board.js";
 import { Client } from "./client.js";
 import type { Named, Parcel } from "./messages.js";
 import { PLAIN, FOV_X_RAD } from "./layout.js";
@@ -237,7 +238,6 @@ export class App {
   /** Shows the board to print, and opens the browser's print dialogue, which also saves PDFs. */
   printBoard = (page: "a4" | "letter", isPrinted: boolean): Promise<void> =>
     this.doing("Drawing the board", async () => {
-      const { BOARD } = await import("./camera/source.js");
       const { svg } = await this.client.ask({ type: "board", spec: BOARD, page });
       if (this.state.board.svgUrl) URL.revokeObjectURL(this.state.board.svgUrl);
       const svgUrl = URL.createObjectURL(new Blob([svg], { type: "image/svg+xml" }));

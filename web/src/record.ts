@@ -38,6 +38,8 @@ export type PhotoRecord = {
   /** `world_from_camera`, the capture's coordinates, 12 numbers. */
   pose: number[];
   source: PoseSource;
+  /** The focal length, in pixels, that the pose was found with: a lens calibrates itself on the way. */
+  focalPx: number;
   /** Reprojection error of the board, pixels. */
   rmsPx?: number;
   quality?: Quality;

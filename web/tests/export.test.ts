@@ -33,7 +33,7 @@ describe("zips", () => {
 
 describe("the folder's files", () => {
   const pose = [...lookingAt([3, 0, 1], [0, 0, 0])];
-  const photo = { bytes: 1, takenAt: "", candidate: 0, pose, source: "simulated" as const, scores: null, gain: null, reason: "coverage" as const };
+  const photo = { bytes: 1, takenAt: "", candidate: 0, pose, source: "simulated" as const, focalPx: 1, scores: null, gain: null, reason: "coverage" as const };
   const mine = { ...record("My mug!"), photos: [{ ...photo, number: 2, file: "frame_00002.png" }, { ...photo, number: 5, file: "frame_00005.jpg" }] };
 
   it("are numbered without gaps and named for every shell", () => {

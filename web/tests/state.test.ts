@@ -11,7 +11,7 @@ const viewOf = (numbers: number[]): CaptureView => ({
     ...record("mine"),
     photos: numbers.map((number) => ({
       number, file: `${number}.png`, bytes: 9, takenAt: "", candidate: number, pose: [...lookingAt([3, 0, 0], [0, 0, 0])],
-      source: "simulated", scores: null, gain: null, reason: "coverage",
+      source: "simulated", focalPx: 1, scores: null, gain: null, reason: "coverage",
     })),
   },
   candidates: new Float32Array(), statuses: [], finish: null, progress: null, curves: null, rivalPoses: null, room: null,

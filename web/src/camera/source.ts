@@ -1,10 +1,11 @@
 // Where a camera's pose comes from. Every source says which it is; the page shows how far to trust it.
 
 import { Advice } from "../advice.js";
+import { BOARD } from "../board.js";
 import type { Client } from "../client.js";
 import { type Lens, type Vec3, add, fromAxes, lensOf, radians, scale } from "../geometry.js";
 import type { Layout } from "../layout.js";
-import type { BoardSpec, Tracked } from "../messages.js";
+import type { Tracked } from "../messages.js";
 import type { PoseSource as Kind } from "../record.js";
 
 /** A phone's usual horizontal field of view, where nothing better is known. */
@@ -22,9 +23,6 @@ export const assumedLens = (width: number, height: number): Lens =>
   ({ ...lensOf(width, height, 1), ...focal((0.5 * Math.max(width, height)) / Math.tan(0.5 * USUAL_FOV_RAD)) });
 
 const focal = (pixels: number): { fx: number; fy: number } => ({ fx: pixels, fy: pixels });
-
-/** The usual board: 5 x 4 tags of 40 mm, 10 mm apart; fits A4 and Letter. */
-export const BOARD: BoardSpec = { columns: 5, rows: 4, tagSizeM: 0.04, gapM: 0.01 };
 
 /** Poses from the printed board: six degrees of freedom, metric. */
 export class BoardSource implements PoseSource {

@@ -2,7 +2,7 @@
 // worker and no page in here, so that tests can call it.
 
 import type { Scores } from "../core.js";
-import { resized } from "../geometry.js";
+import { type Lens, resized } from "../geometry.js";
 import { DISTANCE, toPlan } from "../layout.js";
 import type { CaptureView, Faces, Kept, Progress, Rival, Setup, Shot } from "../messages.js";
 import { type CaptureRecord, FORMAT, type PhotoRecord, VERSION } from "../record.js";
@@ -18,6 +18,8 @@ import type { Model, Photo, Session, Vantage } from "./vantage.js";
 const POINTS_PER_PHOTO = 150;
 /** Kept free beyond the photos themselves, bytes. */
 const RESERVE = 256 * 1024;
+/** A focal length that is off by more moves the camera by more than the board's own error. */
+const FOCAL_TOLERANCE = 0.002;
 /** What no photos are worth. */
 const NONE: Scores = { coverage: 0, geometry: 0, diversity: 0, texture: 0 };
 
@@ -125,7 +127,7 @@ export class Capture {
     const quality = this.core.frameQuality(pictures.luma(small), small.width, small.height);
     record.photos.push({
       number, file, bytes: encoded.length, takenAt: new Date().toISOString(),
-      candidate: shot.candidate, pose: [...shot.pose], source: shot.source,
+      candidate: shot.candidate, pose: [...shot.pose], source: shot.source, focalPx: lens.fx,
       ...(shot.rmsPx === undefined ? {} : { rmsPx: shot.rmsPx }),
       quality, scores, gain: difference(scores, before),
       reason: next && next.index === shot.candidate ? next.reason : null,
@@ -167,6 +169,19 @@ export class Capture {
     // The record no longer names it: now the files can go.
     for (const name of [photo.file, `${photo.file}.window`, `${photo.file}.points`]) await store.remove(name);
     this.resetLedgers();
+  }
+
+  /** Finds the poses anew of photos that were taken before the lens was known as it is now. */
+  async refine(poseOf: (photo: Blob, lens: Lens) => Promise<{ pose: Float32Array; rmsPx: number } | null>): Promise<void> {
+    const { photos, lens } = this.record;
+    const isStale = (photo: PhotoRecord): boolean =>
+      photo.source === "board" && Math.abs(photo.focalPx / lens.fx - 1) > FOCAL_TOLERANCE;
+    const stale = photos.filter(isStale);
+    for (const photo of stale) {
+      const found = await poseOf(await this.photoFile(photo.number), lens);
+      if (found) Object.assign(photo, { pose: [...found.pose], rmsPx: found.rmsPx, focalPx: lens.fx });
+    }
+    if (stale.length > 0) await this.save();
   }
 
   /** The photos' numbers, so ordered that the first n are the n that the planner would take first. */

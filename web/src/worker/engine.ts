@@ -1,5 +1,7 @@
 // Answers the page's requests. No worker in here, so that tests can call it.
 
+import { BOARD } from "../board.js";
+import { resized } from "../geometry.js";
 import type { Answer, Ask, BoardSpec, Engine as EngineInfo, Shot, Tracked } from "../messages.js";
 import { Capture } from "./capture.js";
 import type { Imported } from "./import.js";
@@ -65,6 +67,7 @@ export class Engine {
       case "subject":
         return { type: "subject", blob: await this.store.get("subject") };
       case "export": {
+        await this.refine();
         const { exportCapture } = await import("./export.js");
         return { type: "exported", parcel: await exportCapture(this.current()) };
       }
@@ -109,6 +112,22 @@ export class Engine {
     await this.store.clear();
     for (const [name, bytes] of read.all()) await this.store.put(name, bytes);
     return Capture.adopt(core, model, this.store, record);
+  }
+
+  /** Poses of photos taken before the lens had calibrated itself, with the lens as it is known now. */
+  private async refine(): Promise<void> {
+    let tracker: BoardTracker | null = null;
+    await this.current().refine(async (photo, lens) => {
+      const bitmap = await pictures.decode(photo);
+      const picture = pictures.pixelsOf(bitmap, TRACK_SIDE);
+      bitmap.close();
+      const { fx, cx, cy } = resized(lens, picture.width, picture.height);
+      tracker ??= new this.loaded.core.BoardTracker(BOARD);
+      tracker.setIntrinsics(fx, cx, cy);
+      const { pose, rmsPx } = tracker.track(pictures.luma(picture), picture.width, picture.height);
+      return pose && rmsPx !== undefined ? { pose, rmsPx } : null;
+    });
+    (tracker as BoardTracker | null)?.free();
   }
 
   private trackerOf(spec: BoardSpec): BoardTracker {
