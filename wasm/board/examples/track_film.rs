@@ -20,7 +20,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let [film, focal_px, out] = arguments.as_slice() else {
         return Err("name a film, its focal length in pixels, and a folder to write".into());
     };
-    let (frames, [width, height]) = read_luma(&std::fs::read(film)?)?;
+    let Film { frames, width, height } = read_film(&std::fs::read(film)?)?;
     let board = Board::default();
     let (cx, cy) = (0.5 * width as f64, 0.5 * height as f64);
     let mut given = Tracker::new(board);
@@ -62,9 +62,16 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The luma planes of a YUV4MPEG2 film of 4:2:0, spread from 16 to 235 to all of a byte, as a
-/// browser's canvas gives them.
-fn read_luma(bytes: &[u8]) -> Result<(Vec<Vec<u8>>, [usize; 2]), Box<dyn Error>> {
+/// Frames of luma.
+struct Film {
+    frames: Vec<Vec<u8>>, // (frames, height, width)
+    width: usize,
+    height: usize,
+}
+
+/// The luma of a YUV4MPEG2 film of 4:2:0, spread from 16 to 235 to all of a byte, as a browser's
+/// canvas gives it.
+fn read_film(bytes: &[u8]) -> Result<Film, Box<dyn Error>> {
     let end = bytes.iter().position(|&byte| byte == b'\n').ok_or("the film has no header")?;
     let header = std::str::from_utf8(&bytes[..end])?;
     let field = |letter| {
@@ -80,7 +87,7 @@ fn read_luma(bytes: &[u8]) -> Result<(Vec<Vec<u8>>, [usize; 2]), Box<dyn Error>>
         let spread = |&y: &u8| ((f32::from(y) - 16.0) * 255.0 / 219.0).round() as u8;
         frame[marker..marker + size].iter().map(spread).collect()
     });
-    Ok((frames.collect(), [width, height]))
+    Ok(Film { frames: frames.collect(), width, height })
 }
 
 fn json(tracked: &Tracked, quality: &Quality) -> String {
