@@ -1,10 +1,13 @@
 //! Refusals: a sentence for people and a code for programs.
 
+use core::convert::Infallible;
+
 use js_sys::{Error, Reflect};
 use vantage_core::PoseError;
 use vantage_core::candidates::PoolError;
 use vantage_core::planner::{ObserveError, PlanError, SessionError};
 use vantage_core::record::SnapshotError;
+use vantage_core::soarnet::{ImageError, ModelError, PhotoError, SetupError};
 use wasm_bindgen::JsValue;
 use wasm_bindgen::prelude::wasm_bindgen;
 
@@ -15,8 +18,9 @@ const _: &str = TYPES;
 const TYPES: &str = r#"
 /** The `code` of every `Error` that this package throws. */
 export type RefusalCode =
-  | "bad-argument" | "bad-pool" | "bad-plan" | "bad-pose"
-  | "unknown-candidate" | "too-large" | "bad-snapshot" | "other-version";
+  | "bad-argument" | "bad-pool" | "bad-plan" | "bad-pose" | "bad-photo" | "bad-model" | "bad-mesh"
+  | "needs-model" | "needs-photo" | "unknown-candidate" | "too-large"
+  | "bad-snapshot" | "other-version" | "other-model";
 "#;
 
 /// Why a call was refused; JavaScript sees an `Error` with `code` and `message`.
@@ -30,6 +34,26 @@ impl Refusal {
     /// An argument that JavaScript passed is not of the kind that is needed.
     pub fn bad_argument(message: String) -> Self {
         Self { code: "bad-argument", message }
+    }
+
+    /// Poses or a view space are no candidates.
+    pub fn bad_pool(message: String) -> Self {
+        Self { code: "bad-pool", message }
+    }
+
+    /// Numbers are no mesh.
+    pub fn bad_mesh(message: String) -> Self {
+        Self { code: "bad-mesh", message }
+    }
+
+    /// More than there is room for.
+    pub fn too_large(message: String) -> Self {
+        Self { code: "too-large", message }
+    }
+
+    /// What is asked takes a network.
+    pub fn needs_model(message: String) -> Self {
+        Self { code: "needs-model", message }
     }
 
     /// The stable code.
@@ -83,12 +107,52 @@ impl From<SessionError> for Refusal {
     }
 }
 
-impl From<ObserveError<core::convert::Infallible>> for Refusal {
-    fn from(error: ObserveError<core::convert::Infallible>) -> Self {
+impl<E: Into<Refusal>> From<ObserveError<E>> for Refusal {
+    fn from(error: ObserveError<E>) -> Self {
         match error {
             ObserveError::Session(error) => error.into(),
-            ObserveError::Scorer(never) => match never {},
+            ObserveError::Scorer(error) => error.into(),
         }
+    }
+}
+
+impl From<Infallible> for Refusal {
+    fn from(never: Infallible) -> Self {
+        match never {}
+    }
+}
+
+impl From<ImageError> for Refusal {
+    fn from(error: ImageError) -> Self {
+        Self { code: "bad-photo", message: error.to_string() }
+    }
+}
+
+impl From<PhotoError> for Refusal {
+    fn from(error: PhotoError) -> Self {
+        let code = match error {
+            PhotoError::NoImage => "needs-photo",
+            PhotoError::Image(_) => "bad-photo",
+            PhotoError::NoDirection => "bad-pose",
+            PhotoError::TooManyViews { .. } => "too-large",
+        };
+        Self { code, message: error.to_string() }
+    }
+}
+
+impl From<ModelError> for Refusal {
+    fn from(error: ModelError) -> Self {
+        Self { code: "bad-model", message: error.to_string() }
+    }
+}
+
+impl From<SetupError> for Refusal {
+    fn from(error: SetupError) -> Self {
+        let code = match error {
+            SetupError::TooManyCandidates { .. } => "too-large",
+            SetupError::NoDirection { .. } => "bad-pose",
+        };
+        Self { code, message: error.to_string() }
     }
 }
 
@@ -96,7 +160,8 @@ impl From<SnapshotError> for Refusal {
     fn from(error: SnapshotError) -> Self {
         let code = match error {
             SnapshotError::Version { .. } => "other-version",
-            SnapshotError::TooLarge => "too-large",
+            SnapshotError::TooLarge | SnapshotError::NoRoom => "too-large",
+            SnapshotError::OtherScorer => "other-model",
             _ => "bad-snapshot",
         };
         Self { code, message: error.to_string() }
@@ -125,10 +190,16 @@ mod tests {
             Refusal::from(PoolError::Empty).code,
             Refusal::from(PoseError::NotFinite).code,
             Refusal::from(PlanError::ZeroBudget).code,
+            Refusal::from(ImageError::Empty).code,
+            Refusal::from(ModelError::Foreign).code,
+            Refusal::bad_mesh(String::new()).code,
+            Refusal::needs_model(String::new()).code,
+            Refusal::from(PhotoError::NoImage).code,
             Refusal::from(SessionError::TooManyViews { capacity: 1 }).code,
             Refusal::from(SessionError::UnknownCandidate { index: 0, candidates: 0 }).code,
             Refusal::from(SnapshotError::Foreign).code,
             Refusal::from(SnapshotError::Version { got: 2 }).code,
+            Refusal::from(SnapshotError::OtherScorer).code,
         ] {
             assert!(TYPES.contains(&format!("\"{code}\"")), "{code}");
         }

@@ -1,30 +1,31 @@
-//! A capture in progress, for plans that look at poses alone.
+//! A capture in progress: over what a network predicts, or over poses alone.
 
-use js_sys::{Object, Reflect};
-use vantage_core::planner::{Blind, Finish, Plan, Reason, Session as CoreSession, Status};
+use std::rc::Rc;
+
+use js_sys::Uint32Array;
+use self_cell::self_cell;
+use vantage_core::planner::{
+    Blind, Candidate, Contents, Finish, Plan, Session as CoreSession, View,
+};
 use vantage_core::record::SnapshotError;
+use vantage_core::soarnet::{Model as CoreModel, Photo as CorePhoto, SoarNet};
+use vantage_core::{Objective, Pose, Scores};
 use wasm_bindgen::JsValue;
 use wasm_bindgen::prelude::wasm_bindgen;
 
-use crate::memory::Growing;
-use crate::{Pool, Refusal, input};
+use crate::memory::{Growing, MOST_NETWORK_VIEWS, NetworkMemory};
+use crate::photo::Photo;
+use crate::{Model, Pool, Refusal, input, output, plan};
 
 #[wasm_bindgen(typescript_custom_section)]
 const TYPES: &str = r#"
-/** How the next view is chosen: by chance, farthest from all views so far, or the latter after
- *  the extreme views along the axes. */
-export type PoseScheme = "random" | "farthest-point" | "pseudo-coverage";
-
-/** A whole plan. `movementCost` in [0, 1] is the share of a gain that half a turn costs. */
-export type PosePlan = {
-  scheme: PoseScheme; budget: number; seed?: number; movementCost?: number;
-};
-
-/** The next view: its number, pose (rows of world_from_camera, 12 numbers), and why. `gainM` is
- *  the distance to the nearest view so far in metres, 0 where chance or the start chose. */
+/** The next view: its number, pose (rows of world_from_camera, 12 numbers), and why. `objective` is
+ *  the one that chose it, if one did. `gain` is what is expected of it: of the objective, where 1 is
+ *  all that can be had; of the mean of all four for "all-objectives"; the distance to the nearest view
+ *  in metres for "farthest"; 0 for "start" and "chance". */
 export type NextView = {
-  index: number; pose: Float32Array; gainM: number;
-  reason: "start" | "chance" | "farthest"; why: string;
+  index: number; pose: Float32Array; gain: number; objective?: Objective;
+  reason: "start" | "chance" | "farthest" | "all-objectives" | Objective; why: string;
 };
 
 /** Why there is no next view. */
@@ -33,229 +34,572 @@ export type Finish = "budget-spent" | "good-enough" | "nothing-left";
 /** What has become of a candidate. */
 export type Status = "available" | "visited" | "skipped" | "blocked";
 
+/** How far a capture is. `scores` (0 to 1) and `gainLeft`, the best expected gain of one further photo
+ *  (0 where no candidate is left), are a network's estimates: absent without one and before the first
+ *  photo. `isEnough` says that the plan's stop rule has ended the session. */
+export type Progress = {
+  views: number; budget: number; isEnough: boolean;
+  scores?: Record<Objective, number>; gainLeft?: Record<Objective, number>;
+};
+
 /** Candidates in the order that moves the camera least, and the length of the way. */
 export type Tour = { order: Uint32Array; lengthRad: number };
 "#;
 
+type Predicting<'m> = CoreSession<SoarNet<'m, NetworkMemory>, Growing>;
+
+self_cell! {
+    /// A session with a network, and the bytes of the network's model, which it borrows.
+    struct Networked {
+        owner: Rc<Vec<u8>>,
+
+        #[covariant]
+        dependent: Predicting,
+    }
+}
+
+/// The session that a network scores, or nobody.
+enum Inner {
+    Poses(CoreSession<Blind, Growing>),
+    Network(Networked),
+}
+
+/// Does the same with either session.
+macro_rules! read {
+    ($inner:expr, $session:ident => $act:expr) => {
+        match $inner {
+            Inner::Poses($session) => $act,
+            Inner::Network(networked) => {
+                let $session = networked.borrow_dependent();
+                $act
+            }
+        }
+    };
+}
+
+/// Does the same with either session, changing it.
+macro_rules! change {
+    ($inner:expr, $session:ident => $act:expr) => {
+        match $inner {
+            Inner::Poses($session) => $act,
+            Inner::Network(networked) => networked.with_dependent_mut(|_, $session| $act),
+        }
+    };
+}
+
+/// The most places of a tour: its time grows with their square.
+const MOST_PLACES: usize = 1024;
+
 /// A capture in progress.
 #[wasm_bindgen]
-#[derive(Debug)]
 pub struct Session {
-    core: CoreSession<Blind, Growing>,
+    inner: Inner,
 }
 
 #[wasm_bindgen]
 impl Session {
-    /// A session over the views of a pool.
+    /// A session over the views of a pool. Without a model the plan must be one that looks at poses.
     #[wasm_bindgen(constructor)]
     pub fn try_new(
         pool: &Pool,
-        #[wasm_bindgen(unchecked_param_type = "PosePlan")] plan: &JsValue,
+        #[wasm_bindgen(unchecked_param_type = "Plan")] plan: &JsValue,
+        #[wasm_bindgen(unchecked_optional_param_type = "Model")] model: &JsValue,
     ) -> Result<Session, Refusal> {
-        let plan = read_plan(plan)?;
-        let core = CoreSession::try_new(Growing::default(), pool.core.iter(), Blind, plan)?;
-        Ok(Self { core })
+        let plan = plan::read(plan, pool.centre)?;
+        Self::begin(pool, plan, Model::read(model)?.as_ref())
     }
 
     /// Where to stand next; undefined when the session is over. Asking again changes nothing.
     #[wasm_bindgen(js_name = nextView, unchecked_return_type = "NextView | undefined")]
     pub fn next_view(&mut self) -> JsValue {
-        let Some(next) = self.core.next_view() else { return JsValue::UNDEFINED };
-        let is_farthest = next.reason == Reason::Farthest;
-        object([
-            ("index", (next.index as u32).into()),
-            ("pose", js_sys::Float32Array::from(input::numbers(&next.pose).as_slice()).into()),
-            ("gainM", if is_farthest { next.gain } else { 0.0 }.into()),
-            ("reason", reason_name(next.reason).into()),
-            ("why", next.reason.to_string().into()),
-        ])
+        let next = change!(&mut self.inner, session => session.next_view());
+        next.map_or(JsValue::UNDEFINED, |next| output::next_view(&next))
     }
 
-    /// Takes in that candidate `index` was photographed, at `pose` if not exactly at its own.
+    /// Takes in that candidate `index` was photographed, at `pose` if not exactly at its own. A network
+    /// that sees photos needs one; without a network it is only checked.
     pub fn observe(
         &mut self,
         index: f64,
-        #[wasm_bindgen(unchecked_optional_param_type = "Float32Array")] pose: Option<Vec<f32>>,
+        #[wasm_bindgen(unchecked_optional_param_type = "Photo")] photo: &JsValue,
+        #[wasm_bindgen(unchecked_optional_param_type = "Float32Array")] pose: &JsValue,
     ) -> Result<(), Refusal> {
-        let index = self.index(index)?;
-        let pose = match pose {
-            Some(numbers) => input::pose(&numbers)?,
-            None => *self.core.candidate(index)?.pose(),
+        let index = whole_index(index)?;
+        let pose = match input::optional_pose("pose", pose)? {
+            Some(pose) => pose,
+            None => *read!(&self.inner, session => session.candidate(index))?.pose(),
         };
-        Ok(self.core.observe(index, pose, &())?)
+        self.take_in(Some(index), pose, Photo::read(photo)?)
+    }
+
+    /// Takes in a photo that was taken at `pose`, for no candidate.
+    #[wasm_bindgen(js_name = observeElsewhere)]
+    pub fn observe_elsewhere(
+        &mut self,
+        #[wasm_bindgen(unchecked_param_type = "Float32Array")] pose: &JsValue,
+        #[wasm_bindgen(unchecked_optional_param_type = "Photo")] photo: &JsValue,
+    ) -> Result<(), Refusal> {
+        let pose = input::pose(&input::floats("pose", pose)?)?;
+        self.take_in(None, pose, Photo::read(photo)?)
     }
 
     /// Candidate `index` cannot be reached.
     pub fn block(&mut self, index: f64) -> Result<(), Refusal> {
-        let index = self.index(index)?;
-        Ok(self.core.block(index)?)
+        let index = whole_index(index)?;
+        Ok(change!(&mut self.inner, session => session.block(index))?)
     }
 
     /// Candidate `index` can be reached after all.
     pub fn unblock(&mut self, index: f64) -> Result<(), Refusal> {
-        let index = self.index(index)?;
-        Ok(self.core.unblock(index)?)
+        let index = whole_index(index)?;
+        Ok(change!(&mut self.inner, session => session.unblock(index))?)
     }
 
     /// Not candidate `index` now; perhaps after the next photo.
     pub fn skip(&mut self, index: f64) -> Result<(), Refusal> {
-        let index = self.index(index)?;
-        Ok(self.core.skip(index)?)
+        let index = whole_index(index)?;
+        Ok(change!(&mut self.inner, session => session.skip(index))?)
+    }
+
+    /// Goes on with another plan; views, blocked candidates and what was learned stay.
+    pub fn replan(
+        &mut self,
+        #[wasm_bindgen(unchecked_param_type = "Plan")] plan: &JsValue,
+    ) -> Result<(), Refusal> {
+        let plan = plan::read(plan, self.plan().centre())?;
+        if let Inner::Poses(_) = self.inner {
+            poses_suffice(&plan)?;
+        }
+        Ok(change!(&mut self.inner, session => session.replan(plan))?)
     }
 
     /// Why there is no next view; undefined while there is one.
     #[wasm_bindgen(unchecked_return_type = "Finish | undefined")]
     pub fn finish(&mut self) -> JsValue {
-        self.core.finish().map(finish_name).map_or(JsValue::UNDEFINED, Into::into)
+        self.ended().map_or(JsValue::UNDEFINED, |finish| output::finish(finish).into())
+    }
+
+    /// What a photo of each candidate is expected to add to an objective, where 1 is all that can be
+    /// had. NaN for candidates that are not available, and for all where nothing is known: without a
+    /// model, or before the first photo.
+    pub fn gains(
+        &mut self,
+        #[wasm_bindgen(unchecked_param_type = "Objective")] objective: &str,
+    ) -> Result<Vec<f32>, Refusal> {
+        let objective = input::objective(objective).ok_or_else(|| {
+            Refusal::bad_argument(format!(
+                "there is no objective `{objective}`; there are coverage, geometry, diversity and \
+                 texture"
+            ))
+        })?;
+        Ok(self.expected(objective))
+    }
+
+    /// How far the capture is.
+    #[wasm_bindgen(unchecked_return_type = "Progress")]
+    pub fn progress(&mut self) -> JsValue {
+        let (scores, left) = match self.knows() {
+            true => (output::scores(&self.scores()), output::scores(&self.gain_left())),
+            false => (JsValue::UNDEFINED, JsValue::UNDEFINED),
+        };
+        output::object([
+            ("views", (self.taken().len() as u32).into()),
+            ("budget", (self.budget() as u32).into()),
+            ("isEnough", (self.ended() == Some(Finish::GoodEnough)).into()),
+            ("scores", scores),
+            ("gainLeft", left),
+        ])
     }
 
     /// What has become of every candidate, in order.
     #[wasm_bindgen(unchecked_return_type = "Status[]")]
     pub fn statuses(&self) -> Vec<JsValue> {
-        self.core.candidates().iter().map(|c| status_name(c.status()).into()).collect()
+        self.candidates().iter().map(|c| output::status(c.status()).into()).collect()
     }
 
-    /// The candidates that were photographed, in order.
+    /// The candidates that were photographed, in order; photos of no candidate are left out.
     pub fn views(&self) -> Vec<u32> {
-        let views = self.core.views().iter();
+        let views = self.taken().iter();
         views.filter_map(|view| view.candidate).map(|index| index as u32).collect()
     }
 
-    /// The poses at which photos were really taken, shape (views, 3, 4).
+    /// The poses at which photos were really taken, all of them, shape (views, 3, 4).
     #[wasm_bindgen(js_name = viewPoses)]
     pub fn view_poses(&self) -> Vec<f32> {
-        self.core.views().iter().flat_map(|view| input::numbers(&view.pose)).collect()
+        self.taken().iter().flat_map(|view| input::numbers(&view.pose)).collect()
     }
 
     /// All poses of the candidates, shape (candidates, 3, 4).
     pub fn poses(&self) -> Vec<f32> {
-        self.core.candidates().iter().flat_map(|c| input::numbers(c.pose())).collect()
+        self.candidates().iter().flat_map(|c| input::numbers(c.pose())).collect()
     }
 
     /// How many views the plan asks for.
     #[wasm_bindgen(getter)]
     pub fn budget(&self) -> usize {
-        self.core.plan().budget()
+        self.plan().budget()
     }
 
-    /// Puts candidates into the order that moves the camera least, from the last view on.
+    /// Whether a network tells what further views would bring.
+    #[wasm_bindgen(getter, js_name = hasModel)]
+    pub fn has_model(&self) -> bool {
+        matches!(self.inner, Inner::Network(_))
+    }
+
+    /// Puts candidates, 1024 at most, into the order that moves the camera least, from the last view on.
     #[wasm_bindgen(unchecked_return_type = "Tour")]
-    pub fn tour(&self, indices: Vec<u32>) -> Result<JsValue, Refusal> {
-        let mut order: Vec<usize> = indices.into_iter().map(|index| index as usize).collect();
-        for index in &order {
-            self.core.candidate(*index)?;
-        }
-        let length_rad = self.core.order_by_travel(&mut order);
-        let order: Vec<u32> = order.into_iter().map(|index| index as u32).collect();
-        Ok(object([
-            ("order", js_sys::Uint32Array::from(order.as_slice()).into()),
+    pub fn tour(
+        &self,
+        #[wasm_bindgen(unchecked_param_type = "Uint32Array")] indices: &JsValue,
+    ) -> Result<JsValue, Refusal> {
+        let (order, length_rad) = self.ordered(&input::whole_numbers("indices", indices)?)?;
+        Ok(output::object([
+            ("order", Uint32Array::from(order.as_slice()).into()),
             ("lengthRad", length_rad.into()),
         ]))
     }
 
-    /// The session as bytes, to go on after a reload.
+    /// The session as bytes, to go on after a reload. The model is not in them.
     pub fn snapshot(&self) -> Result<Vec<u8>, Refusal> {
-        let mut buffer = vec![0; 4096];
+        let mut buffer = input::filled(4096, 0)?;
         loop {
-            match self.core.snapshot(&mut buffer) {
+            match read!(&self.inner, session => session.snapshot(&mut buffer)) {
                 Ok(length) => {
                     buffer.truncate(length);
                     return Ok(buffer);
                 }
-                // A candidate or view takes less than 64 bytes, so this ends before 16 MiB.
-                Err(SnapshotError::NoRoom) if buffer.len() < 1 << 24 => {
-                    buffer.resize(buffer.len() * 2, 0);
+                // A candidate or view takes less than 512 bytes, so this ends before 64 MiB.
+                Err(SnapshotError::NoRoom) if buffer.len() < 1 << 26 => {
+                    buffer = input::filled(buffer.len() * 2, 0)?;
                 }
                 Err(error) => return Err(error.into()),
             }
         }
     }
 
-    /// The session that wrote these bytes.
-    pub fn restore(bytes: &[u8]) -> Result<Session, Refusal> {
-        Ok(Self { core: CoreSession::restore(Growing::default(), Blind, bytes)? })
-    }
-
-    fn index(&self, index: f64) -> Result<usize, Refusal> {
-        input::whole("index", index, u32::MAX)
-    }
-}
-
-fn read_plan(plan: &JsValue) -> Result<Plan, Refusal> {
-    let budget = input::whole("budget", input::number(plan, "budget")?, input::MOST_CANDIDATES)?;
-    let scheme = input::text(plan, "scheme")?;
-    let plan_of = scheme_named(&scheme).ok_or_else(|| {
-        Refusal::bad_argument(format!(
-            "there is no scheme `{scheme}`; there are random, farthest-point and pseudo-coverage"
-        ))
-    })?;
-    let seed = input::optional_number(plan, "seed")?.map_or(Ok(0), input::seed)?;
-    let movement_cost = input::optional_number(plan, "movementCost")?.unwrap_or(0.0) as f32;
-    Ok(plan_of(budget).with_seed(seed).with_movement_cost(movement_cost))
-}
-
-fn scheme_named(name: &str) -> Option<fn(usize) -> Plan> {
-    match name {
-        "random" => Some(Plan::random),
-        "farthest-point" => Some(Plan::farthest_point),
-        "pseudo-coverage" => Some(Plan::pseudo_coverage),
-        _ => None,
+    /// The session that wrote these bytes. One with a network needs the same model again.
+    pub fn restore(
+        #[wasm_bindgen(unchecked_param_type = "Uint8Array")] bytes: &JsValue,
+        #[wasm_bindgen(unchecked_optional_param_type = "Model")] model: &JsValue,
+    ) -> Result<Session, Refusal> {
+        Self::from_snapshot(&input::bytes("bytes", bytes)?, Model::read(model)?.as_ref())
     }
 }
 
-fn finish_name(finish: Finish) -> &'static str {
-    match finish {
-        Finish::BudgetSpent => "budget-spent",
-        Finish::GoodEnough => "good-enough",
-        Finish::NothingLeft => "nothing-left",
+impl Session {
+    fn begin(pool: &Pool, plan: Plan, model: Option<&Model>) -> Result<Self, Refusal> {
+        let poses = pool.poses.iter().copied();
+        let Some(model) = model else {
+            poses_suffice(&plan)?;
+            let session = CoreSession::try_new(Growing::new(usize::MAX), poses, Blind, plan)?;
+            return Ok(Self { inner: Inner::Poses(session) });
+        };
+        let networked = Networked::try_new(Rc::clone(&model.bytes), |bytes| {
+            let scorer = scorer(bytes, &plan, &pool.poses)?;
+            let memory = Growing::new(MOST_NETWORK_VIEWS);
+            Ok::<_, Refusal>(CoreSession::try_new(memory, poses, scorer, plan)?)
+        })?;
+        Ok(Self { inner: Inner::Network(networked) })
+    }
+
+    fn from_snapshot(bytes: &[u8], model: Option<&Model>) -> Result<Self, Refusal> {
+        let contents = Contents::parse(bytes)?;
+        // Nobody's fingerprint is 0. A model of that checksum is refused below, by its records.
+        if contents.fingerprint() == 0 {
+            let session = CoreSession::restore(Growing::new(usize::MAX), Blind, bytes)?;
+            return Ok(Self { inner: Inner::Poses(session) });
+        }
+        let Some(model) = model else {
+            let message = "the snapshot is of a session with a network: give its model too";
+            return Err(Refusal::needs_model(message.into()));
+        };
+        if model.checksum() != contents.fingerprint() {
+            return Err(SnapshotError::OtherScorer.into());
+        }
+        let poses: Vec<Pose> = contents.candidates().collect();
+        let networked = Networked::try_new(Rc::clone(&model.bytes), |model| {
+            let scorer = scorer(model, contents.plan(), &poses)?;
+            let memory = Growing::new(MOST_NETWORK_VIEWS);
+            Ok::<_, Refusal>(CoreSession::restore(memory, scorer, bytes)?)
+        })?;
+        Ok(Self { inner: Inner::Network(networked) })
+    }
+
+    fn take_in(
+        &mut self,
+        index: Option<usize>,
+        pose: Pose,
+        photo: Option<Photo>,
+    ) -> Result<(), Refusal> {
+        match &mut self.inner {
+            Inner::Poses(session) => Ok(match index {
+                Some(index) => session.observe(index, pose, &())?,
+                None => session.observe_elsewhere(pose, &())?,
+            }),
+            Inner::Network(networked) => {
+                let photo = match &photo {
+                    Some(photo) => photo.core()?,
+                    None => CorePhoto::default(),
+                };
+                networked.with_dependent_mut(|_, session| {
+                    Ok(match index {
+                        Some(index) => session.observe(index, pose, &photo)?,
+                        None => session.observe_elsewhere(pose, &photo)?,
+                    })
+                })
+            }
+        }
+    }
+
+    fn plan(&self) -> &Plan {
+        read!(&self.inner, session => session.plan())
+    }
+
+    fn candidates(&self) -> &[Candidate] {
+        read!(&self.inner, session => session.candidates())
+    }
+
+    fn taken(&self) -> &[View] {
+        read!(&self.inner, session => session.views())
+    }
+
+    fn ended(&mut self) -> Option<Finish> {
+        change!(&mut self.inner, session => session.finish())
+    }
+
+    fn scores(&self) -> Scores {
+        read!(&self.inner, session => session.scores())
+    }
+
+    /// Whether there is anything to estimate from.
+    fn knows(&self) -> bool {
+        self.has_model() && !self.taken().is_empty()
+    }
+
+    fn expected(&mut self, objective: Objective) -> Vec<f32> {
+        let knows = self.knows();
+        let candidates = change!(&mut self.inner, session => session.score_all(objective).iter());
+        let gain = |c: &Candidate| match knows && c.is_available() {
+            true => c.gain(objective),
+            false => f32::NAN,
+        };
+        candidates.map(gain).collect()
+    }
+
+    /// The highest expected gain in each objective; 0 where no candidate is left.
+    fn gain_left(&mut self) -> Scores {
+        let [coverage, geometry, diversity, texture] = Objective::ALL.map(|objective| {
+            let gains = self.expected(objective).into_iter();
+            gains.filter(|gain| !gain.is_nan()).reduce(f32::max).unwrap_or(0.0)
+        });
+        Scores { coverage, geometry, diversity, texture }
+    }
+
+    fn ordered(&self, indices: &[u32]) -> Result<(Vec<u32>, f32), Refusal> {
+        if indices.len() > MOST_PLACES {
+            return Err(Refusal::too_large(format!(
+                "a tour of {} places would take too long: {MOST_PLACES} at most",
+                indices.len()
+            )));
+        }
+        let mut order: Vec<usize> = indices.iter().map(|&index| index as usize).collect();
+        for &index in &order {
+            read!(&self.inner, session => session.candidate(index))?;
+        }
+        let length_rad = read!(&self.inner, session => session.order_by_travel(&mut order));
+        Ok((order.into_iter().map(|index| index as u32).collect(), length_rad))
     }
 }
 
-fn status_name(status: Status) -> &'static str {
-    match status {
-        Status::Available => "available",
-        Status::Visited => "visited",
-        Status::Skipped => "skipped",
-        Status::Blocked => "blocked",
-    }
+/// The scorer of a session with a network.
+fn scorer<'m>(
+    model: &'m [u8],
+    plan: &Plan,
+    poses: &[Pose],
+) -> Result<SoarNet<'m, NetworkMemory>, Refusal> {
+    let model = CoreModel::parse(model)?;
+    let memory = NetworkMemory::try_new(&model, poses.len())?;
+    Ok(SoarNet::try_new(model, memory, plan.centre(), poses.iter().copied())?)
 }
 
-fn reason_name(reason: Reason) -> &'static str {
-    match reason {
-        Reason::Start => "start",
-        Reason::Chance => "chance",
-        Reason::Farthest => "farthest",
-        // Not for plans that look at poses alone.
-        Reason::Objective(objective) => objective.name(),
-        Reason::AllObjectives => "all-objectives",
+fn poses_suffice(plan: &Plan) -> Result<(), Refusal> {
+    if plan::needs_model(plan) {
+        let message = "the plan asks what a view would bring, which takes a network: make the \
+                       session with a model, or plan by farthest-point, pseudo-coverage or random";
+        return Err(Refusal::needs_model(message.into()));
     }
+    Ok(())
 }
 
-pub(crate) fn object<const N: usize>(fields: [(&str, JsValue); N]) -> JsValue {
-    let object = Object::new();
-    for (name, value) in fields {
-        // A fresh object takes every property.
-        Reflect::set(&object, &name.into(), &value).ok();
-    }
-    object.into()
+fn whole_index(index: f64) -> Result<usize, Refusal> {
+    input::whole("index", index, u32::MAX)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use vantage_core::planner::{Scheme, Start};
+    use crate::model::tests::shipped;
+    use vantage_core::Vec3;
+    use vantage_core::candidates::{Pool as CorePool, ViewSpace};
+    use vantage_core::planner::Stop;
+
+    const CENTRE: Vec3 = Vec3::new(0.1, -0.2, 0.3);
+
+    fn pool(count: usize) -> Pool {
+        let pool = CorePool::try_new(ViewSpace::FibonacciSphere, count, 3.0).unwrap();
+        Pool { poses: pool.with_target(CENTRE).unwrap().iter().collect(), centre: CENTRE }
+    }
+
+    fn session(plan: Plan, model: Option<&Model>) -> Session {
+        Session::begin(&pool(40), plan.with_centre(CENTRE), model).unwrap()
+    }
+
+    fn next(session: &mut Session) -> Option<(usize, Pose, f32)> {
+        let next = change!(&mut session.inner, session => session.next_view())?;
+        Some((next.index, next.pose, next.gain))
+    }
+
+    /// Takes up to `most` views of no picture; the indices and the gains.
+    fn carry_on(session: &mut Session, most: usize) -> Vec<(usize, f32)> {
+        let mut taken = Vec::new();
+        while taken.len() < most
+            && let Some((index, pose, gain)) = next(session)
+        {
+            session.take_in(Some(index), pose, None).unwrap();
+            taken.push((index, gain));
+        }
+        taken
+    }
 
     #[test]
-    fn scheme_names_give_their_plans() {
-        for (name, scheme) in [
-            ("random", Scheme::Random),
-            ("farthest-point", Scheme::FarthestPoint),
-            ("pseudo-coverage", Scheme::FarthestPoint),
-        ] {
-            assert_eq!(scheme_named(name).unwrap()(9).scheme(), scheme);
+    fn a_plan_that_asks_for_gains_needs_a_model() {
+        let [_, model] = shipped();
+        let begin = |plan, model| Session::begin(&pool(40), plan, model).map(|_| ());
+        assert_eq!(begin(Plan::ensemble(5), None).unwrap_err().code(), "needs-model");
+        assert_eq!(begin(Plan::ensemble(5), Some(&model)), Ok(()));
+        assert_eq!(begin(Plan::random(5), None), Ok(()));
+    }
+
+    #[test]
+    fn a_network_that_sees_photos_refuses_to_go_without_and_nothing_changes() {
+        let [model, _] = shipped();
+        let mut session = session(Plan::ensemble(5), Some(&model));
+        let chosen = next(&mut session);
+        let (index, pose, _) = chosen.unwrap();
+        let refused = session.take_in(Some(index), pose, None);
+        assert_eq!(refused.unwrap_err().code(), "needs-photo");
+        assert!(session.taken().is_empty());
+        assert_eq!(next(&mut session), chosen);
+    }
+
+    #[test]
+    fn a_session_outlives_its_model_and_its_pool() {
+        let [_, model] = shipped();
+        let mut session = session(Plan::ensemble(8), Some(&model));
+        drop(model);
+        assert_eq!(carry_on(&mut session, 99).len(), 8);
+        assert_eq!(session.ended(), Some(Finish::BudgetSpent));
+    }
+
+    #[test]
+    fn a_restored_session_goes_on_to_the_same_plan() {
+        let [_, model] = shipped();
+        for (plan, model) in
+            [(Plan::ensemble(12), Some(&model)), (Plan::random(12).with_seed(4), None)]
+        {
+            let mut session = session(plan, model);
+            carry_on(&mut session, 5);
+            let kept = session.snapshot().unwrap();
+            let mut again = Session::from_snapshot(&kept, model).unwrap();
+            assert_eq!(again.has_model(), model.is_some());
+            assert_eq!(again.plan().centre(), CENTRE);
+            let rest = carry_on(&mut session, 99);
+            assert_eq!(rest.len(), 7);
+            assert_eq!(carry_on(&mut again, 99), rest);
+            assert_eq!(again.scores(), session.scores());
         }
-        let start = Plan::farthest_point(9).with_start(Start::PseudoCoverage);
-        assert_eq!(scheme_named("pseudo-coverage").unwrap()(9), start);
-        assert!(scheme_named("ensemble").is_none());
+    }
+
+    #[test]
+    fn a_snapshot_is_refused_without_its_model_or_with_another() {
+        let [sees, poses] = shipped();
+        let mut session = session(Plan::sum(6), Some(&poses));
+        carry_on(&mut session, 3);
+        let mut kept = session.snapshot().unwrap();
+        let code = |bytes: &[u8], model| Session::from_snapshot(bytes, model).err().unwrap().code();
+        assert_eq!(code(&kept, None), "needs-model");
+        assert_eq!(code(&kept, Some(&sees)), "other-model");
+        assert_eq!(code(&kept[1..], Some(&poses)), "bad-snapshot");
+        kept[40] ^= 1;
+        assert_eq!(code(&kept, Some(&poses)), "bad-snapshot");
+        kept[4] = 77;
+        assert_eq!(code(&kept, Some(&poses)), "other-version");
+    }
+
+    #[test]
+    fn nothing_is_known_without_a_model_or_a_photo() {
+        let [_, model] = shipped();
+        let mut blind = session(Plan::farthest_point(4), None);
+        carry_on(&mut blind, 2);
+        let mut fresh = session(Plan::ensemble(4), Some(&model));
+        for session in [&mut blind, &mut fresh] {
+            assert!(!session.knows());
+            assert!(session.expected(Objective::Coverage).iter().all(|gain| gain.is_nan()));
+        }
+        carry_on(&mut fresh, 1);
+        assert!(fresh.knows());
+    }
+
+    #[test]
+    fn gains_are_those_that_the_plan_goes_by_and_nan_where_nothing_can_be_had() {
+        let [_, model] = shipped();
+        let mut session = session(Plan::single(Objective::Diversity, 20), Some(&model));
+        carry_on(&mut session, 4);
+        change!(&mut session.inner, session => session.block(7)).unwrap();
+        let gains = session.expected(Objective::Diversity);
+        for (index, gain) in gains.iter().enumerate() {
+            assert_eq!(gain.is_nan(), !session.candidates()[index].is_available(), "{index}");
+        }
+        assert!(gains[7].is_nan());
+        let (index, _, gain) = next(&mut session).unwrap();
+        assert_eq!(gains[index], gain);
+        assert_eq!(session.gain_left().diversity, gain);
+    }
+
+    #[test]
+    fn the_stop_rule_is_what_says_enough() {
+        let [_, model] = shipped();
+        let stop = Stop { gain: 1.0, patience: 2 };
+        let mut session = session(Plan::ensemble(30).with_stop(stop), Some(&model));
+        assert_eq!(carry_on(&mut session, 99).len(), 5);
+        assert_eq!(session.ended(), Some(Finish::GoodEnough));
+    }
+
+    #[test]
+    fn a_network_remembers_256_views_and_no_more_can_be_asked_for() {
+        let [_, model] = shipped();
+        let begin = |budget| Session::begin(&pool(300), Plan::ensemble(budget), Some(&model));
+        assert_eq!(begin(257).err().unwrap().code(), "too-large");
+        let mut session = begin(256).unwrap();
+        let pose = *session.candidates()[0].pose();
+        for _ in 0..256 {
+            session.take_in(None, pose, None).unwrap();
+        }
+        assert_eq!(session.take_in(None, pose, None).unwrap_err().code(), "too-large");
+        assert_eq!(session.taken().len(), 256);
+        // The largest snapshot of this model can be read again.
+        let kept = session.snapshot().unwrap();
+        assert_eq!(Session::from_snapshot(&kept, Some(&model)).unwrap().taken().len(), 256);
+    }
+
+    #[test]
+    fn a_tour_visits_what_it_is_given() {
+        let session = session(Plan::random(3), None);
+        let (mut order, length_rad) = session.ordered(&[9, 3, 30, 12]).unwrap();
+        assert!(length_rad > 0.0);
+        order.sort_unstable();
+        assert_eq!(order, [3, 9, 12, 30]);
+        assert_eq!(session.ordered(&[40]).unwrap_err().code(), "unknown-candidate");
+        assert_eq!(session.ordered(&[0; 1025]).unwrap_err().code(), "too-large");
     }
 }

@@ -1,8 +1,8 @@
 // The form's fields as a request to start a plan.
 
-import type { PosePlan, ViewSpace } from "./messages.js";
+import type { Plan, ViewSpace } from "./messages.js";
 
-export type Order = { space: ViewSpace; count: number; radiusM: number; plan: PosePlan };
+export type Order = { space: ViewSpace; count: number; radiusM: number; plan: Plan };
 
 const DEGREE = Math.PI / 180;
 
@@ -34,6 +34,6 @@ function viewSpace(kind: string, seed: number): ViewSpace {
   }
 }
 
-function scheme(name: string): PosePlan["scheme"] {
+function scheme(name: string): Plan["scheme"] {
   return name === "random" || name === "pseudo-coverage" ? name : "farthest-point";
 }

@@ -3,12 +3,12 @@
 // The worker owns the wasm module and the session; the page owns the state it shows. `run` numbers
 // the plans, so that an answer to an abandoned plan can be told apart.
 
-import type { Finish, NextView, PosePlan, Status, ViewSpace } from "./wasm/vantage_wasm.js";
+import type { Finish, NextView, Plan, Status, ViewSpace } from "vantage-wasm";
 
-export type { Finish, NextView, PosePlan, Status, ViewSpace };
+export type { Finish, NextView, Plan, Status, ViewSpace };
 
 export type Request =
-  | { type: "start"; run: number; space: ViewSpace; count: number; radiusM: number; plan: PosePlan }
+  | { type: "start"; run: number; space: ViewSpace; count: number; radiusM: number; plan: Plan }
   | { type: "restore"; run: number; snapshot: Uint8Array }
   | { type: "take"; run: number; index: number }
   | { type: "skip"; run: number; index: number }

@@ -1,7 +1,7 @@
 // Answers requests with a wasm session. No worker and no page in here, so that tests can call it.
 
 import type { Progress, Reply, Request } from "./messages.js";
-import { Pool, Session } from "./wasm/vantage_wasm.js";
+import { Pool, Session } from "vantage-wasm";
 
 export class Planner {
   private session: Session | null = null;

@@ -2,11 +2,11 @@
 
 import type { Request } from "./messages.js";
 import { Planner, described, transferable } from "./planner.js";
-import init from "./wasm/vantage_wasm.js";
+import { load } from "vantage-wasm";
 
 declare const self: DedicatedWorkerGlobalScope;
 
-const ready = init();
+const ready = load();
 const planner = new Planner();
 
 self.addEventListener("message", async (event: MessageEvent<Request>) => {

@@ -4,11 +4,10 @@ import { readFileSync } from "node:fs";
 import { beforeAll, expect, test } from "vitest";
 import type { Progress, Reply, Request, ViewSpace } from "../src/messages.js";
 import { Planner } from "../src/planner.js";
-import { initSync } from "../src/wasm/vantage_wasm.js";
+import { load } from "vantage-wasm";
 
-beforeAll(() => {
-  const module = readFileSync(new URL("../src/wasm/vantage_wasm_bg.wasm", import.meta.url));
-  initSync({ module });
+beforeAll(async () => {
+  await load();
 });
 
 const sphere: ViewSpace = { kind: "fibonacci-sphere" };

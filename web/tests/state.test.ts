@@ -15,7 +15,7 @@ const progress: Progress = {
   statuses: ["visited", "available", "blocked"],
   views: [0],
   viewPoses: new Float32Array(at(1, 0, 0)),
-  next: { index: 1, pose: new Float32Array(at(0, -1, 1)), gainM: 1, reason: "farthest", why: "it is far" },
+  next: { index: 1, pose: new Float32Array(at(0, -1, 1)), gain: 1, reason: "farthest", why: "it is far" },
   finish: null,
   tour: { order: [0], lengthRad: 0 },
   snapshot: new Uint8Array(),

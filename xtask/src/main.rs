@@ -35,7 +35,7 @@ Developer tasks of Vantage. Usage: cargo xtask <task>
                                    Node; says in one message what is still missing
   golden                           record the scene of tests/same-plan anew and rewrite its text
   firmware                         build the Cortex-M firmware and run it in QEMU
-  wasm                             build the WebAssembly package into web/src/wasm
+  wasm                             build the npm package of WebAssembly into wasm/pkg
   serve [PORT]                     build the page and serve it on 127.0.0.1 (default port 8080)
   models [--real DIR]              train the shipped networks again from nothing, under three hours on
                                    two cores; with a folder of GLB files, measure them and write

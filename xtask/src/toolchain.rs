@@ -59,16 +59,30 @@ impl Target {
     /// `cargo build --release` for this target; add packages and features. Returns the folder where
     /// its programs will lie.
     pub fn build(self, workspace: &Workspace) -> (Command, PathBuf) {
+        self.build_with(workspace, "release", "")
+    }
+
+    /// The same in another profile and with flags for rustc besides those of the environment.
+    pub fn build_with(
+        self,
+        workspace: &Workspace,
+        profile: &str,
+        flags: &str,
+    ) -> (Command, PathBuf) {
         let (mut command, target) = if self.is_installed() {
             (command::new(&workspace.root, cargo()), workspace.target.clone())
         } else {
             (debian_cargo(workspace), workspace.target.join("build-std"))
         };
-        command.args(["build", "--quiet", "--release", "--target", self.triple()]);
+        command.args(["build", "--quiet", "--profile", profile, "--target", self.triple()]);
         if !self.is_installed() {
             command.arg(self.build_std()).arg("--target-dir").arg(&target);
         }
-        (command, target.join(self.triple()).join("release"))
+        if !flags.is_empty() {
+            let before = env::var("RUSTFLAGS").unwrap_or_default();
+            command.env("RUSTFLAGS", format!("{before} {flags}").trim());
+        }
+        (command, target.join(self.triple()).join(profile))
     }
 }
 

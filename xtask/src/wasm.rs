@@ -1,26 +1,75 @@
-//! Builds `vantage-wasm` and its JavaScript side into `web/src/wasm`, which git ignores.
+//! Builds `vantage-wasm` twice, with and without vectors, and makes an npm package of it in
+//! `wasm/pkg`, which git ignores.
 
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use anyhow::Result;
+use anyhow::{Context, Result, bail};
 
 use crate::command;
 use crate::toolchain::Target;
 use crate::workspace::{Workspace, cargo};
 
-/// Where the page imports the package from.
-const PACKAGE: &str = "web/src/wasm";
+/// The package's folder.
+const PACKAGE: &str = "wasm/pkg";
+
+/// Files of the package that lie in the repository, and where.
+const SOURCES: &[(&str, &[&str])] = &[
+    ("wasm/js", &["package.json", "index.d.ts", "browser.js", "node.js", "load.js"]),
+    ("wasm", &["README.md"]),
+    ("lab/models", &["soarnet.model", "soarnet-poses.model"]),
+    (".", &["LICENSE-APACHE", "LICENSE-MIT"]),
+];
+
+/// What the generator writes; the same for both builds.
+const BINDINGS: &[&str] = &["vantage_wasm.js", "vantage_wasm.d.ts"];
+
+/// The builds, and what rustc is told for each.
+const BUILDS: &[(&str, &str)] = &[("scalar", ""), ("simd", "-Ctarget-feature=+simd128")];
 
 /// Builds the package; returns its folder.
 pub fn build(workspace: &Workspace) -> Result<PathBuf> {
-    let (mut build, built) = Target::Wasm32.build(workspace);
+    let package = workspace.path(PACKAGE);
+    fs::create_dir_all(&package)?;
+    let mut last: Option<PathBuf> = None;
+    for &(name, flags) in BUILDS {
+        let bound = bind(workspace, name, flags)?;
+        let wasm = format!("vantage_{name}.wasm");
+        copy(&bound.join("vantage_wasm_bg.wasm"), &package.join(&wasm))?;
+        let size = fs::metadata(package.join(&wasm))?.len();
+        println!("{PACKAGE}/{wasm}: {size} bytes");
+        for file in BINDINGS {
+            // One script serves both wasm files, so they must not ask for two.
+            if let Some(last) = &last
+                && fs::read(last.join(file))? != fs::read(bound.join(file))?
+            {
+                bail!("the builds' {file} differ: see {} and {}", last.display(), bound.display());
+            }
+            copy(&bound.join(file), &package.join(file))?;
+        }
+        last = Some(bound);
+    }
+    for &(folder, files) in SOURCES {
+        for file in files {
+            copy(&workspace.path(folder).join(file), &package.join(file))?;
+        }
+    }
+    Ok(package)
+}
+
+/// Compiles one build and writes its bindings; returns their folder.
+fn bind(workspace: &Workspace, name: &str, flags: &str) -> Result<PathBuf> {
+    let (mut build, built) = Target::Wasm32.build_with(workspace, "wasm", flags);
     command::run(build.args(["--package", "vantage-wasm"]))?;
-    let folder = workspace.path(PACKAGE);
+    let folder = workspace.target.join("bindings").join(name);
     let mut bindgen = command::new(&workspace.root, cargo());
     bindgen.args(["run", "--quiet", "--profile", "tools", "--package", "xtask-bindgen", "--"]);
     command::run(bindgen.arg(built.join("vantage_wasm.wasm")).arg(&folder))?;
-    let size = fs::metadata(folder.join("vantage_wasm_bg.wasm"))?.len();
-    println!("{PACKAGE}: vantage_wasm_bg.wasm has {size} bytes");
     Ok(folder)
+}
+
+fn copy(from: &Path, to: &Path) -> Result<()> {
+    fs::copy(from, to)
+        .with_context(|| format!("{} was not copied to {}", from.display(), to.display()))?;
+    Ok(())
 }

@@ -89,6 +89,7 @@ pub struct Plan {
 
 /// Why a plan cannot be carried out.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum PlanError {
     /// No views are asked for.
     ZeroBudget,
@@ -189,9 +190,15 @@ impl Plan {
         Self { start_views: 0, ..Self::new(Scheme::Random, budget) }
     }
 
-    /// Another way to the first [`START_VIEWS`](Self::START_VIEWS) views.
+    /// Another way to the first views.
     pub fn with_start(self, start: Start) -> Self {
         Self { start, ..self }
+    }
+
+    /// Another number of first views than [`START_VIEWS`](Self::START_VIEWS); photos taken before the
+    /// session may serve as them.
+    pub fn with_start_views(self, start_views: usize) -> Self {
+        Self { start_views, ..self }
     }
 
     /// Another seed for what is left to chance: the first view, and the random scheme.
@@ -218,6 +225,11 @@ impl Plan {
     /// How many views are asked for.
     pub fn budget(&self) -> usize {
         self.budget
+    }
+
+    /// The centre of the views, metres.
+    pub fn centre(&self) -> Vec3 {
+        self.centre
     }
 
     /// The scheme.

@@ -45,6 +45,7 @@ pub const LONGEST_WINDOW: u32 = 1 << 15;
 
 /// How a pixel lies in memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Pixels {
     /// Three bytes: red, green, blue.
     Rgb888,
@@ -53,13 +54,20 @@ pub enum Pixels {
     /// The highest bits are repeated below the lowest, so that black is 0 and white 255: five bits `v`
     /// are `v << 3 | v >> 2`, six are `v << 2 | v >> 4`.
     Rgb565,
+    /// One byte of brightness: red, green and blue alike.
+    Luma8,
+    /// Four bytes: red, green, blue, and an alpha that is not looked at.
+    Rgba8888,
 }
 
 impl Pixels {
-    const fn bytes(self) -> usize {
+    /// Bytes of a pixel.
+    pub const fn bytes(self) -> usize {
         match self {
             Self::Rgb888 => 3,
             Self::Rgb565 => 2,
+            Self::Luma8 => 1,
+            Self::Rgba8888 => 4,
         }
     }
 }
@@ -83,6 +91,7 @@ pub struct Window {
 
 /// Why numbers do not make a picture or a window of one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum ImageError {
     /// The picture or the window has no pixels.
     Empty,
@@ -220,6 +229,12 @@ impl<'a> Image<'a> {
                 [red << 3 | red >> 2, green << 2 | green >> 4, blue << 3 | blue >> 2]
                     .map(|colour| colour as u8)
             }
+            Pixels::Luma8 => [self.bytes.get(index).copied().unwrap_or_default(); 3],
+            Pixels::Rgba8888 => {
+                let pixel = self.bytes.as_chunks::<4>().0.get(index).copied();
+                let [red, green, blue, _] = pixel.unwrap_or_default();
+                [red, green, blue]
+            }
         }
     }
 }
@@ -347,6 +362,23 @@ mod tests {
         let expected =
             [[0, 0, 0], [255, 255, 255], [255, 0, 0], [0, 255, 0], [0, 0, 255], [132, 130, 132]];
         assert_eq!(colours, expected);
+    }
+
+    #[test]
+    fn brightness_is_grey_in_all_colours() {
+        let image = Image::try_new(3, 1, Pixels::Luma8, &[0, 77, 255]).unwrap();
+        let colours: Vec<[u8; 3]> = (0..3).map(|x| image.pixel(x, 0)).collect();
+        assert_eq!(colours, [[0; 3], [77; 3], [255; 3]]);
+        let short = ImageError::Length { expected: 3, got: 2 };
+        assert_eq!(Image::try_new(3, 1, Pixels::Luma8, &[0; 2]), Err(short));
+    }
+
+    #[test]
+    fn alpha_is_not_looked_at() {
+        let image = Image::try_new(2, 1, Pixels::Rgba8888, &[1, 2, 3, 99, 4, 5, 6, 0]).unwrap();
+        assert_eq!([image.pixel(0, 0), image.pixel(1, 0)], [[1, 2, 3], [4, 5, 6]]);
+        let short = ImageError::Length { expected: 8, got: 6 };
+        assert_eq!(Image::try_new(2, 1, Pixels::Rgba8888, &[0; 6]), Err(short));
     }
 
     #[test]

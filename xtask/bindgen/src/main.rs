@@ -15,6 +15,7 @@ fn main() -> Result<()> {
         bail!("usage: xtask-bindgen <module.wasm> <folder>");
     };
     let mut bindgen = Bindgen::new();
-    bindgen.input_path(module).web(true)?.typescript(true).omit_default_module_path(false);
+    // The package's own loader knows where its wasm files are.
+    bindgen.input_path(module).web(true)?.typescript(true).omit_default_module_path(true);
     bindgen.generate(folder).with_context(|| format!("the bindings of {module} were not written"))
 }
