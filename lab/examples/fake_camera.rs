@@ -202,7 +202,7 @@ fn lines(board: &Board, axis: usize) -> Vec<f32> {
 /// Whether a cell between [`lines`] is printed black.
 fn is_ink(board: &Board, column: usize, row: usize) -> bool {
     let pitch = TAG_CELLS as usize + 1; // a tag's cells and a gap
-    let inside = |i: usize| (i > 0 && i % pitch != 0).then(|| ((i - 1) / pitch, (i - 1) % pitch));
+    let inside = |i: usize| (!i.is_multiple_of(pitch)).then(|| ((i - 1) / pitch, (i - 1) % pitch));
     let (Some((tag_column, cell_column)), Some((tag_row, cell_row))) =
         (inside(column), inside(row))
     else {

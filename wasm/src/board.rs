@@ -66,8 +66,14 @@ impl BoardTracker {
     ///
     /// Frames of another size than the ones before make it forget the calibration.
     #[wasm_bindgen(unchecked_return_type = "TrackResult")]
-    pub fn track(&mut self, luma: &[u8], width: f64, height: f64) -> Result<JsValue, Refusal> {
-        let frame = read_frame(luma, width, height)?;
+    pub fn track(
+        &mut self,
+        #[wasm_bindgen(unchecked_param_type = "Uint8Array | Uint8ClampedArray")] luma: &JsValue,
+        width: f64,
+        height: f64,
+    ) -> Result<JsValue, Refusal> {
+        let luma = input::bytes("luma", luma)?;
+        let frame = read_frame(&luma, width, height)?;
         Ok(write_tracked(&self.tracker.track(&frame)))
     }
 
@@ -108,8 +114,13 @@ impl BoardTracker {
 
 /// Whether a frame is sharp and well lit; one byte of luma for each pixel, row by row.
 #[wasm_bindgen(js_name = frameQuality, unchecked_return_type = "FrameQuality")]
-pub fn frame_quality(luma: &[u8], width: f64, height: f64) -> Result<JsValue, Refusal> {
-    let quality = vantage_board::quality(&read_frame(luma, width, height)?);
+pub fn frame_quality(
+    #[wasm_bindgen(unchecked_param_type = "Uint8Array | Uint8ClampedArray")] luma: &JsValue,
+    width: f64,
+    height: f64,
+) -> Result<JsValue, Refusal> {
+    let luma = input::bytes("luma", luma)?;
+    let quality = vantage_board::quality(&read_frame(&luma, width, height)?);
     Ok(object([
         ("sharpness", quality.sharpness.into()),
         ("meanLuma", quality.mean_luma.into()),
@@ -126,6 +137,9 @@ fn read_spec(spec: &JsValue) -> Result<BoardSpec, Refusal> {
     let usual = BoardSpec::default();
     if spec.is_undefined() {
         return Ok(usual);
+    }
+    if !spec.is_object() {
+        return Err(Refusal::bad_argument("a board's sizes must be an object".to_owned()));
     }
     let number = |name, usual: f64| -> Result<f64, Refusal> {
         Ok(input::optional_number(spec, name)?.unwrap_or(usual))

@@ -1,5 +1,6 @@
 //! Developer tasks of Vantage. `cargo xtask help` lists them; users' commands are `cargo vantage`.
 
+mod board;
 mod cli;
 mod command;
 mod core_rules;

@@ -93,9 +93,8 @@ fn read(
     };
     let mut environments = Vec::new();
     for reader in readers {
-        let environment = install(workspace, &python, reader)
-            .with_context(|| format!("{} could not be installed", reader.name))?;
-        environments.push(environment);
+        let requirements = format!("{FOLDER}/requirements-{}.txt", reader.name);
+        environments.push(install(workspace, &python, reader.name, &requirements, reader.pip)?);
     }
     let folders = write(workspace)?;
     for (reader, environment) in readers.iter().zip(environments) {
@@ -140,7 +139,7 @@ fn write_samples(workspace: &Workspace, out: &Path) -> Result<()> {
 }
 
 /// A Python of a version that the readers have wheels for.
-fn python(workspace: &Workspace) -> Option<String> {
+pub fn python(workspace: &Workspace) -> Option<String> {
     let names = PYTHONS.iter().map(|version| format!("python{version}"));
     ["python3".to_owned()].into_iter().chain(names).find(|name| {
         let mut version = command::new(&workspace.root, name);
@@ -150,12 +149,18 @@ fn python(workspace: &Workspace) -> Option<String> {
     })
 }
 
-/// Makes a reader's environment, unless it holds these requirements already; gives its Python.
-fn install(workspace: &Workspace, python: &str, reader: &Reader) -> Result<PathBuf> {
-    let requirements = workspace.path(&format!("{FOLDER}/requirements-{}.txt", reader.name));
+/// Makes an environment, unless it holds these requirements already; gives its Python.
+pub fn install(
+    workspace: &Workspace,
+    python: &str,
+    name: &str,
+    requirements: &str,
+    pip_arguments: &[&str],
+) -> Result<PathBuf> {
+    let requirements = workspace.path(requirements);
     let wanted = fs::read_to_string(&requirements)
         .with_context(|| format!("{} is not there", requirements.display()))?;
-    let environment = workspace.target.join("xtask/readers").join(reader.name);
+    let environment = workspace.target.join("xtask/readers").join(name);
     let inside = environment.join(if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" });
     let stamp = environment.join("installed.txt");
     if is_installed(&inside, &stamp, &wanted) {
@@ -165,7 +170,8 @@ fn install(workspace: &Workspace, python: &str, reader: &Reader) -> Result<PathB
     command::run(venv.args(["-m", "venv", "--clear"]).arg(&environment))?;
     let mut pip = command::new(&workspace.root, &inside);
     pip.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check"]);
-    command::run(pip.args(reader.pip).arg("--requirement").arg(&requirements))?;
+    command::run(pip.args(pip_arguments).arg("--requirement").arg(&requirements))
+        .with_context(|| format!("{name} could not be installed"))?;
     fs::write(stamp, wanted)?;
     Ok(inside)
 }

@@ -7,7 +7,7 @@ use crate::setup::Need;
 use crate::test::Outcome;
 use crate::toolchain::Target;
 use crate::workspace::{Workspace, cargo};
-use crate::{cli, core_rules, readers, same_plan, train, web};
+use crate::{board, cli, core_rules, readers, same_plan, train, web};
 
 /// One step of the tests.
 pub struct Step {
@@ -122,6 +122,13 @@ pub const STEPS: &[Step] = &[
         slow: true,
         needs: &[Need::Python],
         run: readers::test,
+    },
+    Step {
+        name: "board-opencv",
+        about: "the tag board's corners, poses and drawing against the truth and OpenCV",
+        slow: true,
+        needs: &[Need::Python],
+        run: board::test,
     },
     Step {
         name: "train",

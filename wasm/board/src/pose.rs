@@ -13,6 +13,8 @@
 //!
 //! Not handled: lens distortion, rolling shutter, a board that is not flat.
 
+use core::slice;
+
 use nalgebra::{
     Matrix2, Matrix2x3, Matrix3, Point2, Rotation3, SMatrix, SVector, Vector2, Vector3,
 };
@@ -104,6 +106,9 @@ pub struct Estimate {
 /// Corners that are off by more than this many pixels tell of a wrong pose or a wrong tag.
 const FAR_OFF_PX: f64 = 4.0;
 
+/// Guesses that are followed up, the likeliest first, while some tags remain unexplained.
+const MOST_GUESSES: usize = 8;
+
 /// Distances up to this many pixels count squared, larger ones linearly (Huber).
 const HUBER_PX: f64 = 1.0;
 
@@ -114,26 +119,29 @@ const CORNER_SIGMA_PX: f64 = 0.2;
 pub fn estimate(sightings: &[Sighting], intrinsics: &Intrinsics) -> Option<Estimate> {
     let mut guesses = roots(sightings, intrinsics);
     if sightings.len() > 1 {
-        guesses
-            .extend(sightings.iter().flat_map(|tag| roots(core::slice::from_ref(tag), intrinsics)));
+        guesses.extend(sightings.iter().flat_map(|tag| roots(slice::from_ref(tag), intrinsics)));
     }
     let mut scored: Vec<(f64, Extrinsics)> = guesses
         .into_iter()
-        .map(|guess| (truncated_error(sightings, intrinsics, &guess), guess))
+        .filter(is_in_front)
+        .map(|guess| (truncated_error(sightings, intrinsics, &guess, 4.0 * FAR_OFF_PX), guess))
         .collect();
     scored.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let best = refine(sightings, intrinsics, scored.first()?.1);
-    let inliers: Vec<Sighting> = sightings
-        .iter()
-        .filter(|tag| {
-            error_of(core::slice::from_ref(tag), intrinsics, &best) <= 4.0 * FAR_OFF_PX.powi(2)
-        })
-        .copied()
-        .collect();
-    if inliers.is_empty() {
-        return None;
+    let mut explained: Option<(f64, Extrinsics, Vec<Sighting>)> = None;
+    for (_, guess) in scored.iter().take(MOST_GUESSES) {
+        let Some((pose, inliers)) = narrow_down(sightings, intrinsics, guess) else { continue };
+        let error = truncated_error(sightings, intrinsics, &pose, FAR_OFF_PX);
+        let has_all = inliers.len() == sightings.len();
+        if explained.as_ref().is_none_or(|(least, ..)| error < *least) {
+            explained = Some((error, pose, inliers));
+        }
+        // No wrong tag among them: other guesses lead here or to the other root, which is tried
+        // below.
+        if has_all {
+            break;
+        }
     }
-    let best = refine(&inliers, intrinsics, best);
+    let (_, best, inliers) = explained?;
     let other = other_side(&best);
     let others = scored.iter().map(|(_, guess)| *guess).filter(|guess| is_other(guess, &best));
     let other = others.chain([other]).min_by(|a, b| {
@@ -162,6 +170,30 @@ pub fn estimate(sightings: &[Sighting], intrinsics: &Intrinsics) -> Option<Estim
     })
 }
 
+/// Refines a guess on the tags that it explains, ever more closely; `None` if it explains none.
+///
+/// A guess from one tag may be some pixels off at the board's far end; each refinement lets the next
+/// look closer, so that a wrong tag does not pull at the others for long.
+fn narrow_down(
+    sightings: &[Sighting],
+    intrinsics: &Intrinsics,
+    guess: &Extrinsics,
+) -> Option<(Extrinsics, Vec<Sighting>)> {
+    let mut pose = *guess;
+    let mut inliers = Vec::new();
+    for tolerance_px in [4.0 * FAR_OFF_PX, 2.0 * FAR_OFF_PX, FAR_OFF_PX] {
+        let is_near = |tag: &&Sighting| {
+            error_of(slice::from_ref(*tag), intrinsics, &pose) <= 4.0 * tolerance_px.powi(2)
+        };
+        inliers = sightings.iter().filter(is_near).copied().collect();
+        if inliers.is_empty() {
+            return None;
+        }
+        pose = refine(&inliers, intrinsics, pose);
+    }
+    Some((pose, inliers))
+}
+
 /// Whether the camera sees the board's printed side.
 fn is_in_front(pose: &Extrinsics) -> bool {
     pose.camera_in_board().z > 0.0
@@ -169,7 +201,16 @@ fn is_in_front(pose: &Extrinsics) -> bool {
 
 /// Whether two poses differ by more than noise can move one: 5 degrees.
 fn is_other(a: &Extrinsics, b: &Extrinsics) -> bool {
-    a.rotation.angle_to(&b.rotation) > 0.087
+    angle_between(&a.rotation, &b.rotation) > 0.087
+}
+
+/// The angle that turns one rotation into another, radians.
+///
+/// From the distance of the matrices, `2 sqrt(2) sin(angle / 2)`: exact for small angles, where the
+/// arc cosine of a trace is not.
+pub(crate) fn angle_between(a: &Rotation3<f64>, b: &Rotation3<f64>) -> f64 {
+    let distance = (a.matrix() - b.matrix()).norm();
+    2.0 * (distance / 8.0f64.sqrt()).min(1.0).asin()
 }
 
 /// The mirror image of a pose's tilt: the board's normal on the other side of the line of sight.
@@ -277,10 +318,14 @@ pub(crate) fn error_of(sightings: &[Sighting], intrinsics: &Intrinsics, pose: &E
     squared.sum()
 }
 
-/// The same, each corner counting no more than one that is far off.
-fn truncated_error(sightings: &[Sighting], intrinsics: &Intrinsics, pose: &Extrinsics) -> f64 {
-    // A guess from one tag may be off by some pixels at the board's far end and still lead there.
-    let most = (4.0 * FAR_OFF_PX).powi(2);
+/// The same, no corner counting as farther off than `most_px`.
+fn truncated_error(
+    sightings: &[Sighting],
+    intrinsics: &Intrinsics,
+    pose: &Extrinsics,
+    most_px: f64,
+) -> f64 {
+    let most = most_px.powi(2);
     let squared = pairs(sightings).map(|(board, pixel)| {
         project(&pose.camera_from_board(board), intrinsics)
             .map_or(most, |seen| (seen - pixel).norm_squared().min(most))
@@ -378,4 +423,174 @@ fn refine(sightings: &[Sighting], intrinsics: &Intrinsics, first: Extrinsics) ->
         }
     }
     pose
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spec::Board;
+    use proptest::prelude::*;
+
+    const CAMERA: Intrinsics = Intrinsics { focal_px: 560.0, cx: 320.0, cy: 240.0 };
+
+    /// Looking at a point of the board from a place above it, turned about the line of sight.
+    fn looking(eye: Vector3<f64>, target: Vector3<f64>, roll: f64) -> Extrinsics {
+        let ahead = (target - eye).normalize();
+        let down = Vector3::new(0.3 * roll.sin(), 0.1, -1.0);
+        let right = down.cross(&ahead).normalize();
+        let rows = [right.transpose(), ahead.cross(&right).transpose(), ahead.transpose()];
+        let level = Rotation3::from_matrix_unchecked(Matrix3::from_rows(&rows));
+        let rotation = Rotation3::from_axis_angle(&Vector3::z_axis(), roll) * level;
+        Extrinsics { rotation, translation: -(rotation * eye) }
+    }
+
+    fn eye(azimuth: f64, elevation: f64, distance: f64) -> Vector3<f64> {
+        let (y, x) = azimuth.sin_cos();
+        let (z, across) = elevation.sin_cos();
+        Vector3::new(across * x, across * y, z) * distance
+    }
+
+    /// Tags as a pose shows them, each coordinate off by up to `noise` pixels.
+    fn seen(pose: &Extrinsics, ids: &[u32], noise: f64, seed: u64) -> Vec<Sighting> {
+        let mut random = seed | 1;
+        let mut off = move || {
+            random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            noise * ((random >> 33) as f64 / f64::from(1u32 << 30) - 1.0)
+        };
+        ids.iter()
+            .map(|&id| {
+                let board = Board::default().corners(id).unwrap();
+                let pixels = board.map(|corner| {
+                    let exact = project(&pose.camera_from_board(corner), &CAMERA).unwrap();
+                    exact + Vector2::new(off(), off())
+                });
+                Sighting { id, board, pixels }
+            })
+            .collect()
+    }
+
+    fn apart(a: &Extrinsics, b: &Extrinsics) -> (f64, f64) {
+        let distance = (a.camera_in_board() - b.camera_in_board()).norm();
+        (angle_between(&a.rotation, &b.rotation), distance / b.camera_in_board().norm())
+    }
+
+    proptest! {
+        /// From exact corners of any two tags or more the pose comes out exactly, and is sure.
+        #[test]
+        fn exact_corners_give_the_exact_pose(
+            azimuth in -3.1f64..3.1,
+            elevation in 0.4f64..1.5,
+            distance in 0.25f64..0.8,
+            roll in -3.1f64..3.1,
+            ids in prop::collection::btree_set(0u32..20, 2..8),
+        ) {
+            let ids: Vec<u32> = ids.into_iter().collect();
+            let pose = looking(eye(azimuth, elevation, distance), Vector3::zeros(), roll);
+            let found = estimate(&seen(&pose, &ids, 0.0, 0), &CAMERA).unwrap();
+            let (angle, share) = apart(&found.extrinsics, &pose);
+            prop_assert!(angle < 1e-4 && share < 1e-4, "{} {}: {:?}", angle, share, found);
+            prop_assert!(found.rms_px < 1e-3);
+            prop_assert_eq!(found.inliers.len(), ids.len());
+        }
+
+        /// One root or the other of a single tag is the pose, and it is called ambiguous.
+        #[test]
+        fn both_roots_of_a_tag_are_found(
+            azimuth in -3.1f64..3.1,
+            elevation in 0.5f64..1.4,
+            distance in 0.2f64..0.5,
+            id in 0u32..20,
+        ) {
+            let pose = looking(eye(azimuth, elevation, distance), Vector3::zeros(), 0.3);
+            let tags = seen(&pose, &[id], 0.0, 0);
+            let nearest = roots(&tags, &CAMERA)
+                .iter()
+                .map(|root| apart(root, &pose).0)
+                .fold(9.0, f64::min);
+            prop_assert!(nearest < 1e-3, "{}", nearest);
+            prop_assert_eq!(roots(&tags, &CAMERA).len(), 2);
+            prop_assert!(estimate(&tags, &CAMERA).unwrap().is_ambiguous);
+        }
+
+        /// With noise of a third of a pixel a pose that is called sure is not the wrong root, which
+        /// would be 30 degrees off or more.
+        #[test]
+        fn a_sure_pose_is_not_the_wrong_root(
+            azimuth in -3.1f64..3.1,
+            elevation in 0.3f64..1.3,
+            distance in 0.25f64..1.2,
+            ids in prop::collection::btree_set(0u32..20, 2..12),
+            seed in any::<u64>(),
+        ) {
+            let ids: Vec<u32> = ids.into_iter().collect();
+            let pose = looking(eye(azimuth, elevation, distance), Vector3::zeros(), 0.0);
+            let found = estimate(&seen(&pose, &ids, 0.6, seed), &CAMERA).unwrap();
+            let (angle, share) = apart(&found.extrinsics, &pose);
+            prop_assert!(
+                found.is_ambiguous || (angle < 0.2 && share < 0.2),
+                "{} degrees, {}: {:?}", angle.to_degrees(), share, found
+            );
+        }
+
+        /// A tag in a wrong place does not move the pose, and is not among the inliers.
+        #[test]
+        fn a_wrong_tag_is_left_out(
+            azimuth in -3.1f64..3.1, elevation in 0.5f64..1.4, wrong in 0usize..6, by in 25.0f64..200.0,
+        ) {
+            let pose = looking(eye(azimuth, elevation, 0.4), Vector3::zeros(), 0.0);
+            let mut tags = seen(&pose, &[0, 3, 8, 11, 16, 19], 0.2, 7);
+            for pixel in &mut tags[wrong].pixels {
+                *pixel += Vector2::new(by, -0.5 * by);
+            }
+            let found = estimate(&tags, &CAMERA).unwrap();
+            prop_assert!(found.inliers.iter().all(|tag| tag.id != tags[wrong].id));
+            prop_assert_eq!(found.inliers.len(), 5);
+            let (angle, share) = apart(&found.extrinsics, &pose);
+            prop_assert!(angle < 0.01 && share < 0.01, "{} {}", angle, share);
+        }
+
+        /// Derivatives are those of differences.
+        #[test]
+        fn the_derivatives_are_right(azimuth in -3.1f64..3.1, elevation in 0.3f64..1.5, id in 0u32..20) {
+            let pose = looking(eye(azimuth, elevation, 0.4), Vector3::zeros(), 0.2);
+            let tag = &seen(&pose, &[id], 0.0, 0)[0];
+            let (board, pixel) = (tag.board[1], tag.pixels[1]);
+            let at = linearise(board, pixel, &CAMERA, &pose).unwrap();
+            const STEP: f64 = 1e-6;
+            for i in 0..6 {
+                let mut step = SVector::<f64, 6>::zeros();
+                step[i] = STEP;
+                let there = project(&moved(&pose, &step).camera_from_board(board), &CAMERA).unwrap();
+                let slope = (there - pixel) / STEP;
+                prop_assert!((slope - at.by_pose.column(i)).norm() < 0.02, "{} {}", i, slope);
+            }
+            let there = |camera: Intrinsics| project(&pose.camera_from_board(board), &camera).unwrap();
+            let longer = Intrinsics { focal_px: CAMERA.focal_px + STEP, ..CAMERA };
+            let slope = (there(longer) - pixel) / STEP;
+            prop_assert!((slope - at.by_intrinsics.column(0)).norm() < 1e-3);
+        }
+    }
+
+    #[test]
+    fn of_a_distant_board_the_other_root_fits_as_well() {
+        // From 6 m two tags are 4 pixels each: their perspective is lost in the noise.
+        let pose = looking(eye(0.4, 0.9, 6.0), Vector3::zeros(), 0.0);
+        let found = estimate(&seen(&pose, &[0, 1], 0.3, 3), &CAMERA).unwrap();
+        assert!(found.is_ambiguous);
+    }
+
+    #[test]
+    fn nothing_and_nonsense_give_no_pose() {
+        assert_eq!(estimate(&[], &CAMERA), None);
+        let pose = looking(eye(0.4, 0.9, 0.4), Vector3::zeros(), 0.0);
+        let mut tags = seen(&pose, &[0, 1], 0.0, 0);
+        for tag in &mut tags {
+            tag.pixels = [Point2::new(f64::NAN, 3.0); 4];
+        }
+        assert_eq!(estimate(&tags, &CAMERA), None);
+        for tag in &mut tags {
+            tag.pixels = [Point2::new(5.0, 3.0); 4];
+        }
+        assert_eq!(estimate(&tags, &CAMERA), None);
+    }
 }

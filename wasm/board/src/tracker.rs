@@ -188,7 +188,7 @@ impl Tracker {
         let rotation = found.extrinsics.rotation;
         let view = View { rotation, sightings: found.inliers.clone() };
         let nearest = (0..self.views.len())
-            .map(|i| (self.views[i].rotation.angle_to(&rotation), i))
+            .map(|i| (pose::angle_between(&self.views[i].rotation, &rotation), i))
             .min_by(|a, b| a.0.total_cmp(&b.0));
         match nearest {
             Some((angle, i)) if angle < NEW_VIEW_RAD => {

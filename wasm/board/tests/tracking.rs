@@ -74,30 +74,36 @@ fn poses_are_found_with_an_object_in_the_middle_of_the_board() {
 #[test]
 fn the_focal_length_is_learned_from_views_all_around() {
     let board = Board::default();
-    let mut tracker = Tracker::new(board);
-    let truth = Intrinsics { focal_px: 610.0, cx: 320.0, cy: 240.0 };
-    let mut last = None;
-    for (i, pose) in (0..).zip(around()) {
-        let picture = Picture { intrinsics: truth, noise: 3.0, seed: i, ..Picture::default() };
-        let luma = picture.draw(&board, &pose);
-        let tracked = tracker.track(&Frame::try_new(&luma, 640, 480).unwrap());
-        if i == 0 {
-            assert_eq!(tracked.source, IntrinsicsSource::Assumed);
+    // Fields of view of 39, 55 and 83 degrees; 64 are assumed.
+    for focal_px in [900.0, 610.0, 360.0] {
+        let mut tracker = Tracker::new(board);
+        let truth = Intrinsics { focal_px, cx: 320.0, cy: 240.0 };
+        let mut last = None;
+        for (i, pose) in (0..).zip(around().into_iter().step_by(2)) {
+            // As large in every camera.
+            let away = pose.position() * (focal_px / 540.0 - 1.0) as f32;
+            let pose = Pose::try_new(pose.position() + away, pose.rotation()).unwrap();
+            let picture = Picture { intrinsics: truth, noise: 3.0, seed: i, ..Picture::default() };
+            let luma = picture.draw(&board, &pose);
+            let tracked = tracker.track(&Frame::try_new(&luma, 640, 480).unwrap());
+            if i == 0 {
+                assert_eq!(tracked.source, IntrinsicsSource::Assumed);
+            }
+            let found = tracked.pose.unwrap();
+            last = Some((tracked.source, errors(&found.pose, &pose)));
         }
-        let found = tracked.pose.unwrap();
-        last = Some((tracked.source, errors(&found.pose, &pose)));
+        let calibration = tracker.calibration().unwrap();
+        println!("{calibration:?}");
+        let off = calibration.intrinsics.focal_px / focal_px - 1.0;
+        assert!(off.abs() < 0.005, "{focal_px}: {calibration:?}");
+        let (source, (angle, share)) = last.unwrap();
+        assert_eq!(source, IntrinsicsSource::Calibrated);
+        assert!(angle < 0.5 && share < 0.01, "{focal_px}: {angle} degrees, {share}");
+        // Another size is another camera.
+        let luma = vec![0; 320 * 240];
+        tracker.track(&Frame::try_new(&luma, 320, 240).unwrap());
+        assert_eq!(tracker.calibration(), None);
     }
-    let calibration = tracker.calibration().unwrap();
-    println!("{calibration:?}");
-    assert!((calibration.intrinsics.focal_px / 610.0 - 1.0).abs() < 0.005, "{calibration:?}");
-    assert!(calibration.focal_sigma_px < 5.0);
-    let (source, (angle, share)) = last.unwrap();
-    assert_eq!(source, IntrinsicsSource::Calibrated);
-    assert!(angle < 0.5 && share < 0.01, "{angle} degrees, {share}");
-    // Another size is another camera.
-    let luma = vec![0; 320 * 240];
-    tracker.track(&Frame::try_new(&luma, 320, 240).unwrap());
-    assert_eq!(tracker.calibration(), None);
 }
 
 #[test]
@@ -184,6 +190,8 @@ fn tags_of_another_board_are_not_taken_for_ours() {
 }
 
 proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(96) })]
+
     /// Whatever the bytes, nothing panics and no tag is seen in noise.
     #[test]
     fn noise_shows_no_tag(
