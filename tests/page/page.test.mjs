@@ -222,6 +222,15 @@ describe("what goes wrong is said, and nothing is lost", () => {
     await page.getByRole("button", { name: "Vantage, start page" }).click();
     await page.getByRole("button", { name: "Set up a capture" }).click();
     await page.getByRole("button", { name: "Print, or save as PDF" }).waitFor();
+    await page.evaluate(() => { globalThis.print = () => { globalThis.isPrinted = true; }; });
+    await page.getByRole("button", { name: "Print, or save as PDF" }).click();
+    await page.waitForFunction(() => globalThis.isPrinted);
+    await idle(page);
+    // One sheet, true to size: A4 held sideways, in points.
+    const pdf = (await page.pdf({ preferCSSPageSize: true })).toString("latin1");
+    assert.equal(pdf.match(/\/Type\s*\/Page\b/g)?.length, 1);
+    const [, width, height] = /MediaBox\s*\[\s*0\s+0\s+([\d.]+)\s+([\d.]+)/.exec(pdf) ?? [];
+    assert.ok(Math.abs(width - 841.9) < 1.5 && Math.abs(height - 595.3) < 1.5, `${width} x ${height}`);
     await inspect(page, "setup");
     const session = await context.newCDPSession(page);
     const start = async () => {

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result};
 
+use crate::board;
 use crate::command;
 use crate::setup;
 use crate::test::Outcome;
@@ -25,7 +26,8 @@ pub fn test(workspace: &Workspace) -> Result<Outcome> {
     Ok(Outcome::Passed)
 }
 
-/// The built page in a browser: whole captures, bad input, accessibility, offline.
+/// The built page in a browser: whole captures, with and without a camera, bad input, accessibility,
+/// offline.
 pub fn test_in_browser(workspace: &Workspace) -> Result<Outcome> {
     let dist = build(workspace)?;
     install(workspace, BROWSER_TESTS)?;
@@ -37,6 +39,7 @@ pub fn test_in_browser(workspace: &Workspace) -> Result<Outcome> {
     let mut tests = command::new(&workspace.path(BROWSER_TESTS), "node");
     tests.args(["--test", "--test-reporter=spec", "--test-concurrency=1"]);
     tests.env("VANTAGE_DIST", dist).env("VANTAGE_OUT", out).env("VANTAGE_CHROMIUM", browser);
+    tests.env("VANTAGE_FILM", board::film(workspace)?);
     command::run(&mut tests)?;
     Ok(Outcome::Passed)
 }
