@@ -20,8 +20,9 @@ const TYPES = {
   ".webmanifest": "application/manifest+json",
 };
 
-/** Serves folders by their prefix, gzipped as a host would; closes with the tests. */
+/** Serves folders by their prefix, gzipped as a host would; `sent` counts the bytes of the answers. */
 export async function serve(folders) {
+  let sent = 0;
   const server = createServer((request, response) => {
     const path = normalize(decodeURIComponent(new URL(request.url, "http://localhost").pathname));
     const prefix = Object.keys(folders).filter((name) => path.startsWith(name)).sort((a, b) => b.length - a.length)[0];
@@ -32,11 +33,13 @@ export async function serve(folders) {
       return;
     }
     response.writeHead(200, { "Content-Type": TYPES[extname(file)] ?? "application/octet-stream", "Content-Encoding": "gzip" });
-    createReadStream(file).pipe(createGzip({ level: 9 })).pipe(response);
+    const zipped = createReadStream(file).pipe(createGzip({ level: 9 }));
+    zipped.on("data", (part) => { sent += part.length; });
+    zipped.pipe(response);
   });
   await new Promise((resolve) => server.listen(0, "127.0.0.1", resolve));
   const { port } = server.address();
-  return { url: `http://localhost:${port}/`, port, close: () => new Promise((resolve) => { server.closeAllConnections(); server.close(resolve); }) };
+  return { url: `http://localhost:${port}/`, sent: () => sent, close: () => new Promise((resolve) => { server.closeAllConnections(); server.close(resolve); }) };
 }
 
 const FLAGS = [
@@ -55,7 +58,7 @@ export async function browse(options = {}, flags = []) {
     acceptDownloads: true,
     ...options,
   });
-  context.setDefaultTimeout(20_000);
+  context.setDefaultTimeout(45_000); // a machine under load renders slowly
   const problems = [];
   context.on("console", (message) => {
     // Chromium counts its own software renderer's stalls as warnings; only errors are ours.

@@ -8,6 +8,7 @@ import { dirname, join } from "node:path";
 import { after, before, describe, test } from "node:test";
 
 import { beginSimulation, browse, DIST, idle, open, OUT, save, serve, take } from "./harness.mjs";
+import { pyramid } from "./models.mjs";
 import { editZip, readZip, smallPng } from "./zips.mjs";
 
 const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
@@ -274,6 +275,47 @@ test("with the network off, the page opens, plans, and saves", async () => {
     await close();
   }
 });
+
+test("a GLB of one's own is photographed, and is there again after a reload", async () => {
+  const { page, problems, close } = await browse();
+  try {
+    await open(page, server.url);
+    await page.locator('input[accept=".glb"]').setInputFiles({ name: "pyramid.glb", mimeType: "model/gltf-binary", buffer: pyramid() });
+    await page.getByRole("heading", { name: "Next: photo 1" }).waitFor();
+    await take(page, 1);
+    await page.reload();
+    await page.getByRole("button", { name: "Go on" }).click();
+    await page.getByRole("heading", { name: "Next: photo 2" }).waitFor();
+    await idle(page);
+    await take(page, 1);
+    // Seen from two sides; of a pyramid three faces at least, of the four that can be seen.
+    assert.match(await page.locator(".chart svg").first().getAttribute("aria-label"), /after 2 photos: Vantage (7[5-9]|100) %/);
+    await page.getByRole("button", { name: "Review and save" }).click();
+    const files = readZip(await save(page, "pyramid.zip"));
+    // The texture is grey: had it not loaded, the photo would be white or black.
+    const shade = await page.evaluate(shadeOf, files.get("pyramid/images/frame_00001.png").toString("base64"));
+    assert.ok(shade > 40 && shade < 140, `${shade}`);
+    assert.deepEqual(problems, []);
+  } finally {
+    await close();
+  }
+});
+
+/** Runs in the page: the mean brightness of the opaque pixels of a PNG. */
+async function shadeOf(png) {
+  const bytes = Uint8Array.from(atob(png), (sign) => sign.charCodeAt(0));
+  const bitmap = await createImageBitmap(new Blob([bytes], { type: "image/png" }));
+  const drawing = new OffscreenCanvas(bitmap.width, bitmap.height).getContext("2d");
+  drawing.drawImage(bitmap, 0, 0);
+  const { data } = drawing.getImageData(0, 0, bitmap.width, bitmap.height);
+  let [sum, count] = [0, 0];
+  for (let i = 0; i < data.length; i += 4) {
+    if (data[i + 3] < 255) continue;
+    sum += data[i];
+    count += 1;
+  }
+  return sum / count;
+}
 
 test("nothing is asked of any other host, and the policy forbids it", async () => {
   const { page, close } = await browse();

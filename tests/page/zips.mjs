@@ -67,7 +67,7 @@ export function smallPng() {
     return bytes;
   };
   const header = Buffer.from([0, 0, 0, 8, 0, 0, 0, 8, 8, 0, 0, 0, 0]);
-  const lines = deflateSync(Buffer.alloc(8 * 9, 0).fill(128, 1, 2));
+  const lines = deflateSync(Buffer.concat(Array(8).fill(Buffer.from([0, ...Array(8).fill(128)]))));
   const signature = Buffer.from([0x89, 0x50, 0x4e, 0x47, 13, 10, 26, 10]);
   return Buffer.concat([signature, chunk("IHDR", header), chunk("IDAT", lines), chunk("IEND", Buffer.alloc(0))]);
 }

@@ -54,9 +54,9 @@ const STEEP_DEG = 75;
 
 /**
  * The way from one direction to another, both from the object's middle, for someone who stands at
- * `from` and faces the object: "30° to the right, slightly higher".
+ * `from` and faces the object: "30° to the right, slightly higher". Turns are rounded to `stepDeg`.
  */
-export function way(from: Vec3, to: Vec3): string {
+export function way(from: Vec3, to: Vec3, stepDeg = 1): string {
   const [a, b] = [direction(from), direction(to)];
   if (b.elevationDeg > STEEP_DEG) return "to nearly straight above";
   if (b.elevationDeg < -STEEP_DEG) return "to nearly straight below";
@@ -65,7 +65,7 @@ export function way(from: Vec3, to: Vec3): string {
   const rise = b.elevationDeg - a.elevationDeg;
   const size = Math.abs(rise) < 15 ? "slightly " : Math.abs(rise) > 40 ? "much " : "";
   const height = Math.abs(rise) < 2.5 ? "" : `${size}${rise > 0 ? "higher" : "lower"}`;
-  const side = Math.abs(turn) > 170 ? "to the opposite side" : `${Math.round(Math.abs(turn))}° to the ${turn > 0 ? "right" : "left"}`;
+  const side = Math.abs(turn) > 170 ? "to the opposite side" : `${stepDeg * Math.max(1, Math.round(Math.abs(turn) / stepDeg))}° to the ${turn > 0 ? "right" : "left"}`;
   if (Math.abs(turn) < 2.5) return height === "" ? "right here" : height;
   return height === "" ? side : `${side}, ${height}`;
 }

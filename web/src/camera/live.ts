@@ -23,6 +23,7 @@ export class LiveCapture {
   private running = new AbortController();
   private shutter = new AutoShutter();
   private sharpness = new SharpnessMemory();
+  private awake: WakeLockSentinel | null = null;
   private last: { pose: Pose; at: number } | null = null;
 
   constructor(private app: App) {
@@ -64,6 +65,9 @@ export class LiveCapture {
     }
     this.app.dispatch({ type: "lived", live: { source: kind, size: { width, height }, tracked: null, guide: null } });
     this.app.go("camera");
+    // Photos should outlive a full disk, and the screen the walk around the object; both are favours.
+    void navigator.storage?.persist?.();
+    this.awake = (await navigator.wakeLock?.request("screen").catch(() => null)) ?? null;
     this.running = new AbortController();
     void this.look(this.running.signal);
   }
@@ -74,6 +78,8 @@ export class LiveCapture {
     this.source = null;
     for (const track of this.stream?.getTracks() ?? []) track.stop();
     this.stream = null;
+    void this.awake?.release();
+    this.awake = null;
     this.video.srcObject = null;
     this.voice.silence();
   }
@@ -153,7 +159,7 @@ function spoken(view: CaptureView, tracked: Tracked, found: Guide): string {
   if (!view.next || !tracked.pose) return "";
   if (found.isInZone) return hint ? hint.text : "Hold still.";
   const here = directionOf(view.record.layout, position(tracked.pose));
-  return `Go ${way(here, position(view.next.pose)).replace(/°/g, " degrees")}. ${reasonWords(view.next.reason)}`;
+  return `Go ${way(here, position(view.next.pose), 10).replace(/°/g, " degrees")}. ${reasonWords(view.next.reason)}`;
 }
 
 function nextFrame(video: HTMLVideoElement): Promise<void> {

@@ -68,7 +68,8 @@ export function instruction(view: CaptureView, { guide, tracked }: Live): string
   if (!guide || !tracked?.pose) return "Point at the board";
   if (guide.isInZone) return guide.isReady ? "Hold still…" : "You are there";
   const from = directionOf(view.record.layout, position(tracked.pose));
-  const words = way(from, position(view.next.pose));
+  // Coarse, so that it can be read, and read out, while the camera moves.
+  const words = way(from, position(view.next.pose), 10);
   return `Move ${words}`;
 }
 
