@@ -330,23 +330,22 @@ impl Session {
         photo: Option<Photo>,
     ) -> Result<(), Refusal> {
         match &mut self.inner {
-            Inner::Poses(session) => Ok(match index {
+            Inner::Poses(session) => match index {
                 Some(index) => session.observe(index, pose, &())?,
                 None => session.observe_elsewhere(pose, &())?,
-            }),
+            },
             Inner::Network(networked) => {
                 let photo = match &photo {
                     Some(photo) => photo.core()?,
                     None => CorePhoto::default(),
                 };
-                networked.with_dependent_mut(|_, session| {
-                    Ok(match index {
-                        Some(index) => session.observe(index, pose, &photo)?,
-                        None => session.observe_elsewhere(pose, &photo)?,
-                    })
-                })
+                networked.with_dependent_mut(|_, session| match index {
+                    Some(index) => session.observe(index, pose, &photo),
+                    None => session.observe_elsewhere(pose, &photo),
+                })?;
             }
         }
+        Ok(())
     }
 
     fn plan(&self) -> &Plan {
