@@ -47,6 +47,9 @@ test("progress knows what it can know", () => {
   ok(OBJECTIVES.every((objective) => scores[objective] >= 0 && scores[objective] <= 1));
   rest(begun);
   deepEqual([begun.progress().isEnough, begun.finish(), begun.progress().views], [true, "good-enough", 5]);
+  // A budget that is spent is no verdict.
+  const spent = session({ budget: 3 }, 3);
+  deepEqual([spent.progress().isEnough, spent.finish()], [false, "budget-spent"]);
 });
 
 test("candidates change their status", () => {
