@@ -29,7 +29,8 @@ const BINDINGS: &[&str] = &["vantage_wasm.js", "vantage_wasm.d.ts"];
 const BUILDS: &[(&str, &str)] = &[("scalar", ""), ("simd", "-Ctarget-feature=+simd128")];
 
 /// Its tests, in `wasm/tests`.
-const TESTS: &[&str] = &["board", "golden", "errors", "misuse", "load", "example"];
+const TESTS: &[&str] =
+    &["golden", "session", "board", "errors", "misuse", "load", "readme", "example"];
 
 /// Builds the package; returns its folder.
 pub fn build(workspace: &Workspace) -> Result<PathBuf> {
