@@ -98,13 +98,13 @@ impl BoardTracker {
     /// The board to print, true to size, with a bar of 100 mm to check.
     pub fn svg(
         &self,
-        #[wasm_bindgen(unchecked_param_type = "\"a4\" | \"letter\"")] page: &str,
+        #[wasm_bindgen(unchecked_param_type = "\"a4\" | \"letter\"")] page: &JsValue,
     ) -> Result<String, Refusal> {
-        let page = match page {
-            "a4" => Page::A4,
-            "letter" => Page::Letter,
-            other => {
-                let message = format!("`page` must be \"a4\" or \"letter\", not \"{other}\"");
+        let page = match page.as_string().as_deref() {
+            Some("a4") => Page::A4,
+            Some("letter") => Page::Letter,
+            _ => {
+                let message = "`page` must be \"a4\" or \"letter\"".to_owned();
                 return Err(Refusal::bad_argument(message));
             }
         };

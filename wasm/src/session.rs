@@ -330,23 +330,22 @@ impl Session {
         photo: Option<Photo>,
     ) -> Result<(), Refusal> {
         match &mut self.inner {
-            Inner::Poses(session) => Ok(match index {
+            Inner::Poses(session) => match index {
                 Some(index) => session.observe(index, pose, &())?,
                 None => session.observe_elsewhere(pose, &())?,
-            }),
+            },
             Inner::Network(networked) => {
                 let photo = match &photo {
                     Some(photo) => photo.core()?,
                     None => CorePhoto::default(),
                 };
-                networked.with_dependent_mut(|_, session| {
-                    Ok(match index {
-                        Some(index) => session.observe(index, pose, &photo)?,
-                        None => session.observe_elsewhere(pose, &photo)?,
-                    })
-                })
+                networked.with_dependent_mut(|_, session| match index {
+                    Some(index) => session.observe(index, pose, &photo),
+                    None => session.observe_elsewhere(pose, &photo),
+                })?;
             }
         }
+        Ok(())
     }
 
     fn plan(&self) -> &Plan {
@@ -576,9 +575,9 @@ mod tests {
     #[test]
     fn a_network_remembers_256_views_and_no_more_can_be_asked_for() {
         let [_, model] = shipped();
-        let begin = |budget| Session::begin(&pool(300), Plan::ensemble(budget), Some(&model));
-        assert_eq!(begin(257).err().unwrap().code(), "too-large");
-        let mut session = begin(256).unwrap();
+        let too_many = Session::begin(&pool(257), Plan::ensemble(257), Some(&model));
+        assert_eq!(too_many.err().unwrap().code(), "too-large");
+        let mut session = session(Plan::ensemble(9), Some(&model));
         let pose = *session.candidates()[0].pose();
         for _ in 0..256 {
             session.take_in(None, pose, None).unwrap();

@@ -7,7 +7,7 @@ import { Worker } from "node:worker_threads";
 import init from "../pkg/vantage_wasm.js";
 import { pool, poseNetwork, rest, seeing, session, thrown, vantage } from "./package.mjs";
 
-const { MeshLedger, Model, Pool, Session } = vantage;
+const { BoardTracker, MeshLedger, Model, Pool, Session, frameQuality } = vantage;
 
 const photo = () => ({ pixels: new Uint8Array(3 * 64 * 64), width: 64, height: 64, format: "rgb" });
 const expected = rest(session());
@@ -61,6 +61,14 @@ const calls = [
   (a) => session().gains(a),
   (a) => session().tour(a),
   (a) => session().replan(a),
+  (a, b) => new BoardTracker({ columns: a, rows: b }),
+  (a, b) => new BoardTracker({ tagSizeM: a, gapM: b, firstId: a }),
+  (a) => new BoardTracker(a),
+  (a, b) => new BoardTracker().track(a, b, 3),
+  (a, b) => new BoardTracker().track(new Uint8Array(12), a, b),
+  (a, b) => new BoardTracker().setIntrinsics(a, b, b),
+  (a) => new BoardTracker().svg(a),
+  (a, b) => frameQuality(a, b, 3),
   (a, b) => new MeshLedger(a, b),
   (a, b) =>
     new MeshLedger(Float32Array.of(0, 0, 0, 1, 0, 0, 0, 1, 0), Uint32Array.of(0, 1, 2)).observe(a, b),

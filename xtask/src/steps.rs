@@ -7,7 +7,7 @@ use crate::setup::Need;
 use crate::test::Outcome;
 use crate::toolchain::Target;
 use crate::workspace::{Workspace, cargo};
-use crate::{board, cli, core_rules, readers, same_plan, train, web};
+use crate::{board, cli, core_rules, readers, same_plan, train, wasm, web};
 
 /// One step of the tests.
 pub struct Step {
@@ -108,6 +108,13 @@ pub const STEPS: &[Step] = &[
         slow: false,
         needs: &[Need::Thumbv7em, Need::Qemu],
         run: |workspace| same_plan::on_thumbv7em(workspace).map(Outcome::passed),
+    },
+    Step {
+        name: "wasm-package",
+        about: "the npm package in Node: the committed plans, every refusal, misuse, the example",
+        slow: true,
+        needs: &[Need::Wasm32, Need::Npm],
+        run: |workspace| wasm::test(workspace).map(Outcome::passed),
     },
     Step {
         name: "cli",

@@ -8,6 +8,7 @@ use anyhow::{Context, Result, bail};
 
 use crate::command;
 use crate::toolchain::Target;
+use crate::web;
 use crate::workspace::{Workspace, cargo};
 
 /// The package's folder.
@@ -26,6 +27,10 @@ const BINDINGS: &[&str] = &["vantage_wasm.js", "vantage_wasm.d.ts"];
 
 /// The builds, and what rustc is told for each.
 const BUILDS: &[(&str, &str)] = &[("scalar", ""), ("simd", "-Ctarget-feature=+simd128")];
+
+/// Its tests, in `wasm/tests`.
+const TESTS: &[&str] =
+    &["golden", "session", "board", "errors", "misuse", "load", "readme", "example"];
 
 /// Builds the package; returns its folder.
 pub fn build(workspace: &Workspace) -> Result<PathBuf> {
@@ -55,6 +60,44 @@ pub fn build(workspace: &Workspace) -> Result<PathBuf> {
         }
     }
     Ok(package)
+}
+
+/// The package in Node: the committed plans in both builds, refusals, misuse, and the example.
+pub fn test(workspace: &Workspace) -> Result<()> {
+    build(workspace)?;
+    let inputs = workspace.target.join("same-plan-inputs");
+    let mut same_plan = command::new(&workspace.root, cargo());
+    same_plan.args(["run", "--quiet", "--release", "--package", "same-plan", "--"]).arg(&inputs);
+    command::run(&mut same_plan)?;
+
+    web::install(workspace, "examples/node")?;
+    let capture = workspace.target.join("example-capture");
+    if capture.exists() {
+        fs::remove_dir_all(&capture)?;
+    }
+    let mut plan = command::new(&workspace.root, cargo());
+    plan.args([
+        "run",
+        "--quiet",
+        "--release",
+        "--package",
+        "vantage-lab",
+        "--bin",
+        "vantage",
+        "--",
+    ]);
+    plan.args(["plan", "knot", "--budget", "8", "--candidates", "60", "--out"]).arg(&capture);
+    command::run(&mut plan)?;
+
+    // The scalar build may differ in its plans alone.
+    for (name, tests) in [("simd", TESTS), ("scalar", &["golden"])] {
+        let mut node = command::new(&workspace.root, "node");
+        node.args(["--test", "--test-reporter=dot"]);
+        node.args(tests.iter().map(|test| format!("wasm/tests/{test}.test.mjs")));
+        node.env("VANTAGE_BUILD", name).env("VANTAGE_INPUTS", &inputs);
+        command::run(node.env("VANTAGE_CAPTURE", &capture))?;
+    }
+    Ok(())
 }
 
 /// Compiles one build and writes its bindings; returns their folder.

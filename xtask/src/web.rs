@@ -61,7 +61,7 @@ pub fn build(workspace: &Workspace) -> Result<PathBuf> {
 const BROWSER_TESTS: &str = "tests/page";
 
 /// `npm ci`, unless the installed packages are those of the lock file already.
-fn install(workspace: &Workspace, folder: &str) -> Result<()> {
+pub fn install(workspace: &Workspace, folder: &str) -> Result<()> {
     let lock = fs::read(workspace.path(folder).join("package-lock.json"))?;
     let stamp = workspace.path(folder).join("node_modules/.installed-lock.json");
     if fs::read(&stamp).is_ok_and(|installed| installed == lock) {

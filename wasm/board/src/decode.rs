@@ -133,3 +133,59 @@ fn cell_luma(frame: &Frame<'_>, picture_from_tag: &Matrix3<f64>, x: f64, y: f64)
 }
 
 const _: () = assert!(CODE_CELLS + 4 == RING_CELLS);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CELL: usize = 8;
+    const MARGIN: usize = 16;
+    const SIDE: usize = 8 * CELL + 2 * MARGIN;
+
+    /// An upright tag of cells of 8 pixels; light falls off to the right. `spoilt` cells of its
+    /// border's upper side are white.
+    fn picture(id: u32, spoilt: u32) -> Vec<u8> {
+        (0..SIDE * SIDE)
+            .map(|i| {
+                // Cells count from 1 inside the tag.
+                let cell = |at: usize| ((at + CELL).saturating_sub(MARGIN) / CELL) as u32;
+                let (row, column) = (cell(i / SIDE), cell(i % SIDE));
+                let inside = (1..=TAG_CELLS).contains(&row) && (1..=TAG_CELLS).contains(&column);
+                let is_white = !inside
+                    || family::is_white(id, row - 1, column - 1)
+                    || (row == 1 && column <= spoilt);
+                let light = 1.0 - 0.6 * (i % SIDE) as f64 / SIDE as f64;
+                (if is_white { 230.0 } else { 60.0 } * light) as u8
+            })
+            .collect()
+    }
+
+    fn read(luma: &[u8], turns: usize) -> Option<(Match, Quad)> {
+        let (low, high) = (MARGIN as f64, (SIDE - MARGIN) as f64);
+        let mut quad = [[low, low], [high, low], [high, high], [low, high]].map(Point2::from);
+        quad.rotate_left(turns);
+        decode(&Frame::try_new(luma, SIDE, SIDE).unwrap(), &quad)
+    }
+
+    #[test]
+    fn the_first_corner_is_the_upright_tag_s_wherever_the_quad_starts() {
+        // White at the dark end is darker than black at the bright end would allow.
+        let luma = picture(137, 0);
+        for turns in 0..4 {
+            let (found, quad) = read(&luma, turns).unwrap();
+            assert_eq!((found.id, found.wrong_cells), (137, 0));
+            assert_eq!(quad[0], Point2::new(MARGIN as f64, MARGIN as f64));
+        }
+    }
+
+    #[test]
+    fn a_border_with_many_white_cells_is_none() {
+        assert!(read(&picture(137, 3), 0).is_some());
+        assert!(read(&picture(137, 5), 0).is_none());
+    }
+
+    #[test]
+    fn a_plain_square_is_no_tag() {
+        assert!(read(&[128; SIDE * SIDE], 0).is_none());
+    }
+}

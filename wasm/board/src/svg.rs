@@ -99,7 +99,7 @@ impl Board {
         let base = top - 3.0;
         // Writing to a string does not fail.
         let _ = writeln!(svg, "<text x=\"{left}\" y=\"{base}\" {text}>{title}</text>");
-        let (bar, bar_end) = (top + board_height + 4.0, left + BAR_MM);
+        let (bar, bar_end) = (top + board_height + 3.5, left + BAR_MM);
         let _ = writeln!(
             svg,
             "<path stroke=\"#000\" stroke-width=\"0.3\" fill=\"none\" \

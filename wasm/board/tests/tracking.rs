@@ -130,13 +130,15 @@ fn a_principal_point_off_the_middle_is_learned_too() {
     assert!((found.intrinsics.cy - 234.0).abs() < 2.0, "{found:?}");
 }
 
+/// From straight above any focal length fits, with the board as much nearer or farther.
 #[test]
-fn frames_from_one_side_give_no_focal_length() {
+fn views_from_above_give_no_focal_length_however_the_camera_is_turned() {
     let board = Board::default();
     let mut tracker = Tracker::new(board);
-    for i in 0..12 {
-        let pose = looking(30.0 + 0.3 * i as f32, 85.0, 0.5);
-        let picture = Picture { intrinsics: given(), noise: 3.0, seed: i, ..Picture::default() };
+    for i in 0..8 {
+        let pose = looking(30.0 * i as f32, 89.0, 0.5);
+        let picture =
+            Picture { intrinsics: given(), noise: 3.0, seed: i, samples: 2, ..Picture::default() };
         let luma = picture.draw(&board, &pose);
         tracker.track(&Frame::try_new(&luma, 640, 480).unwrap());
     }
@@ -213,11 +215,12 @@ proptest! {
         prop_assert!(tracked.tags.is_empty());
     }
 
-    /// A board with bytes overwritten is seen or not, and nothing panics.
+    /// A board with bytes overwritten is seen or not, and nothing panics; a pose that is called sure
+    /// may be vague, from a few tags far away, but is not one from another side.
     #[test]
     fn a_spoilt_picture_gives_a_pose_or_none(
         azimuth in 0.0f32..360.0,
-        elevation in 5.0f32..89.0,
+        elevation in 5.0f32..70.0,
         distance in 0.05f32..3.0,
         from in 0usize..640 * 480,
         length in 0usize..200_000,
@@ -232,9 +235,9 @@ proptest! {
         let mut tracker = Tracker::new(board);
         tracker.set_intrinsics(given()).unwrap();
         let tracked = tracker.track(&Frame::try_new(&luma, 640, 480).unwrap());
-        if let Some(found) = tracked.pose && found.tags >= 4 && !found.is_ambiguous {
+        if let Some(found) = tracked.pose && !found.is_ambiguous {
             let (angle, share) = errors(&found.pose, &pose);
-            prop_assert!(angle < 2.0 && share < 0.03, "{} degrees, {}: {:?}", angle, share, found);
+            prop_assert!(angle < 15.0 && share < 0.25, "{} degrees, {}: {:?}", angle, share, found);
         }
     }
 }

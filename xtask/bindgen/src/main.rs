@@ -17,5 +17,6 @@ fn main() -> Result<()> {
     let mut bindgen = Bindgen::new();
     // The package's own loader knows where its wasm files are.
     bindgen.input_path(module).web(true)?.typescript(true).omit_default_module_path(true);
+    bindgen.remove_name_section(true).remove_producers_section(true);
     bindgen.generate(folder).with_context(|| format!("the bindings of {module} were not written"))
 }
