@@ -13,7 +13,8 @@
 //!
 //! | target | instructions |
 //! |---|---|
-//! | Cortex-M4, M7, and M33 with `-C target-cpu=cortex-m33` | [`arm_dsp`]: `smlad` |
+//! | Cortex-M4, M7, and M33 with `-C target-cpu=cortex-m33` | `arm_dsp`: `smlad` |
+//! | x86-64 | `x86`: `pmaddwd` of SSE2, or of AVX2 where the processor says that it has it |
 //!
 //! Without the feature `arch` the definition runs everywhere.
 //!
@@ -23,15 +24,28 @@
 
 pub mod scalar;
 mod tile;
+#[cfg(any(vantage_dsp, all(feature = "arch", target_arch = "x86_64")))]
+#[allow(unsafe_code, reason = "memory that has been measured before")]
+mod windows;
+
+#[cfg(all(feature = "arch", target_arch = "x86_64"))]
+#[allow(unsafe_code, reason = "memory that has been measured before")]
+mod vectors;
 
 #[cfg(vantage_dsp)]
 #[allow(unsafe_code, reason = "instructions that the language has no name for")]
 pub mod arm_dsp;
 
+#[cfg(all(feature = "arch", target_arch = "x86_64"))]
+#[allow(unsafe_code, reason = "instructions that not every processor has")]
+pub mod x86;
+
 #[cfg(vantage_dsp)]
 use arm_dsp as chosen;
-#[cfg(not(vantage_dsp))]
+#[cfg(not(any(vantage_dsp, all(feature = "arch", target_arch = "x86_64"))))]
 use scalar as chosen;
+#[cfg(all(feature = "arch", target_arch = "x86_64"))]
+use x86 as chosen;
 
 pub use chosen::{
     accumulate, add_residual, convolve, convolve_colours, fully_connected, fully_connected_wide,
@@ -60,7 +74,8 @@ pub struct Linear<'a> {
     pub columns: usize,
     /// Shape (rows), i32 little-endian.
     pub bias: &'a [[u8; 4]],
-    /// Shape (rows), i32 little-endian, units of 2^-32; units of 2^-20 where the output is wide.
+    /// Shape (rows), i32 little-endian, not negative, units of 2^-32; units of 2^-20 where the output is
+    /// wide.
     pub multipliers: &'a [[u8; 4]],
     /// The output's zero point.
     pub zero: i8,

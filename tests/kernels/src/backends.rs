@@ -123,3 +123,19 @@ kernels!(
     "scalar",
     vantage_core::kernels::scalar
 );
+
+#[cfg(all(feature = "arch", target_arch = "x86_64"))]
+kernels!(
+    /// What every x86-64 has.
+    Sse2,
+    "sse2",
+    vantage_core::kernels::x86::sse2
+);
+#[cfg(all(feature = "arch", target_arch = "x86_64"))]
+kernels!(
+    /// What newer ones have.
+    Avx2,
+    "avx2",
+    vantage_core::kernels::x86,
+    vantage_core::kernels::x86::has_avx2()
+);
