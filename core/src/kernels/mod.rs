@@ -14,9 +14,11 @@
 //! | target | instructions |
 //! |---|---|
 //! | Cortex-M4, M7, and M33 with `-C target-cpu=cortex-m33` | `arm_dsp`: `smlad` |
+//! | WebAssembly built with `-C target-feature=+simd128` | `wasm_simd`: `i32x4.dot_i16x8_s` |
 //! | x86-64 | `x86`: `pmaddwd` of SSE2, or of AVX2 where the processor says that it has it |
 //!
-//! Without the feature `arch` the definition runs everywhere.
+//! Elsewhere, and everywhere without the feature `arch`, the definition runs. (`build.rs` names these
+//! targets `vantage_…`: a stable compiler does not tell the sources what a Cortex-M has.)
 //!
 //! Numbers of 32 bits are given as their little-endian bytes and weights as tiles of bytes, because
 //! that is how they lie in a file in flash, at any alignment; on a Cortex-M what is not aligned to 4
@@ -24,11 +26,11 @@
 
 pub mod scalar;
 mod tile;
-#[cfg(any(vantage_dsp, all(feature = "arch", target_arch = "x86_64")))]
+#[cfg(any(vantage_dsp, vantage_x86, vantage_wasm))]
 #[allow(unsafe_code, reason = "memory that has been measured before")]
 mod windows;
 
-#[cfg(all(feature = "arch", target_arch = "x86_64"))]
+#[cfg(any(vantage_x86, vantage_wasm))]
 #[allow(unsafe_code, reason = "memory that has been measured before")]
 mod vectors;
 
@@ -36,15 +38,21 @@ mod vectors;
 #[allow(unsafe_code, reason = "instructions that the language has no name for")]
 pub mod arm_dsp;
 
-#[cfg(all(feature = "arch", target_arch = "x86_64"))]
+#[cfg(vantage_wasm)]
+#[allow(unsafe_code, reason = "vectors read memory by its address")]
+pub mod wasm_simd;
+
+#[cfg(vantage_x86)]
 #[allow(unsafe_code, reason = "instructions that not every processor has")]
 pub mod x86;
 
 #[cfg(vantage_dsp)]
 use arm_dsp as chosen;
-#[cfg(not(any(vantage_dsp, all(feature = "arch", target_arch = "x86_64"))))]
+#[cfg(not(any(vantage_dsp, vantage_x86, vantage_wasm)))]
 use scalar as chosen;
-#[cfg(all(feature = "arch", target_arch = "x86_64"))]
+#[cfg(vantage_wasm)]
+use wasm_simd as chosen;
+#[cfg(vantage_x86)]
 use x86 as chosen;
 
 pub use chosen::{
