@@ -15,7 +15,7 @@
 //! |---|---|
 //! | Cortex-M4, M7, and M33 with `-C target-cpu=cortex-m33` | `arm_dsp`: `smlad` |
 //! | WebAssembly built with `-C target-feature=+simd128` | `wasm_simd`: `i32x4.dot_i16x8_s` |
-//! | x86-64 | `x86`: `pmaddwd` of SSE2, or of AVX2 where the processor says that it has it |
+//! | x86-64 | `x86`: `pmaddwd` of SSE2 or AVX2, or `vpdpwssd`, as the processor says that it has them |
 //!
 //! Elsewhere, and everywhere without the feature `arch`, the definition runs. (`build.rs` names these
 //! targets `vantage_…`: a stable compiler does not tell the sources what a Cortex-M has.)

@@ -69,7 +69,7 @@ pub(super) fn fully_connected<V: Vectors>(
     let count = input.len().div_ceil(EDGE);
     let Some(line) = output.get_mut(..map.bias.len()) else { return false };
     // Inputs that are missing would need fewer tiles of each block.
-    if !is_whole(map, map.columns) || EDGE * stride > WIDENED || count < stride {
+    if !V::takes(map) || !is_whole(map, map.columns) || EDGE * stride > WIDENED || count < stride {
         return false;
     }
     let mut buffer = [MaybeUninit::uninit(); WIDENED];

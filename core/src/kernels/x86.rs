@@ -1,4 +1,5 @@
-//! x86-64: AVX2 where the processor has it, else SSE2, which all have.
+//! x86-64: AVX2 where the processor has it, with `vpdpwssd` where it has AVX-512 VNNI too, else SSE2,
+//! which all have.
 //!
 //! ```text
 //! plain:   sum = bias + Σ_c weights[r, c] · input[c], for each output pixel and each row r
@@ -7,357 +8,176 @@
 //!          first rows' sums = S, second rows' sums = (R - S) >> 8
 //! ```
 
-use core::arch::x86_64::*;
+use core::sync::atomic::{AtomicU8, Ordering};
 
 use super::vectors::{self, Vectors};
 use super::windows::{self, Lines, Shape};
 use super::{Addition, EDGE, GROUP, Grid, Linear, Rows, Tile, scalar};
 
-pub mod sse2;
+mod avx2;
+mod sse2;
 
-pub use scalar::fully_connected_wide;
+use avx2::{Avx2, Vnni};
 use sse2::Sse2;
 
-cpufeatures::new!(avx2, "avx2");
-
-/// Adds a part of a linear map, without its bias. As [`scalar::accumulate`].
-pub fn accumulate(map: &Linear<'_>, first: usize, input: &[i8], sums: &mut [i32]) {
-    let is_done = match avx2::get() {
-        true => vectors::accumulate::<Avx2>(map, first, input, sums),
-        false => vectors::accumulate::<Sse2>(map, first, input, sums),
-    };
-    if !is_done {
-        scalar::accumulate(map, first, input, sums);
-    }
+/// What a processor has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Level {
+    /// What all have.
+    Sse2,
+    /// Vectors of 256 bits.
+    Avx2,
+    /// These with `vpdpwssd`, of AVX-512 VNNI.
+    Vnni,
 }
 
-/// Brings sums to bytes. As [`scalar::requantize_all`].
-pub fn requantize_all(map: &Linear<'_>, sums: &[i32], output: &mut [i8]) {
-    if avx2::get() {
-        // SAFETY: the processor has AVX2.
-        unsafe { requantize_all_avx2(map, sums, output) };
-    } else {
-        scalar::requantize_all(map, sums, output);
-    }
-}
-
-/// A fully connected layer. As [`scalar::fully_connected`].
-pub fn fully_connected(map: &Linear<'_>, input: &[i8], output: &mut [i8]) {
-    let is_done = match avx2::get() {
-        true => vectors::fully_connected::<Avx2>(map, input, output),
-        false => vectors::fully_connected::<Sse2>(map, input, output),
-    };
-    if !is_done {
-        scalar::fully_connected(map, input, output);
-    }
-}
-
-/// A fully connected layer of every pixel by itself. As [`scalar::pointwise`].
-pub fn pointwise(
-    map: &Linear<'_>,
-    channels: usize,
-    input: &[i8],
-    rows: &mut Rows,
-    output: &mut [i8],
-) {
-    let is_done = match avx2::get() {
-        true => windows::pointwise::<Avx2>(map, channels, input, rows, output),
-        false => windows::pointwise::<Sse2>(map, channels, input, rows, output),
-    };
-    if !is_done {
-        scalar::pointwise(map, channels, input, rows, output);
-    }
-}
-
-/// A convolution with a window of 3 x 3 pixels. As [`scalar::convolve`].
-pub fn convolve(
-    map: &Linear<'_>,
-    stride: usize,
-    input: &Grid<'_>,
-    rows: &mut Rows,
-    output: &mut [i8],
-) {
-    let is_done = match avx2::get() {
-        true => windows::convolve::<Avx2>(map, stride, input, rows, output),
-        false => windows::convolve::<Sse2>(map, stride, input, rows, output),
-    };
-    if !is_done {
-        scalar::convolve(map, stride, input, rows, output);
-    }
-}
-
-/// A convolution with a window of 3 x 3 pixels of three colours. As [`scalar::convolve_colours`].
-pub fn convolve_colours(
-    map: &Linear<'_>,
-    stride: usize,
-    input: &Grid<'_>,
-    rows: &mut Rows,
-    output: &mut [i8],
-) {
-    let is_done = match avx2::get() {
-        true => windows::convolve_colours::<Avx2>(map, stride, input, rows, output),
-        false => windows::convolve_colours::<Sse2>(map, stride, input, rows, output),
-    };
-    if !is_done {
-        scalar::convolve_colours(map, stride, input, rows, output);
-    }
-}
-
-/// Adds a map onto another. As [`scalar::add_residual`].
-pub fn add_residual(add: &Addition, values: &mut [i8], others: &[i8]) {
-    if avx2::get() {
-        // SAFETY: the processor has AVX2.
-        unsafe { add_residual_avx2(add, values, others) };
-    } else {
-        scalar::add_residual(add, values, others);
-    }
-}
-
-/// Whether the processor has AVX2, so that these functions use it.
-pub fn has_avx2() -> bool {
-    avx2::get()
-}
-
-/// AVX2. Only a processor that has it may come here.
-enum Avx2 {}
-
-impl Lines for Avx2 {
-    const LEAST: usize = 1;
-
-    fn takes(_map: &Linear<'_>) -> bool {
-        true
-    }
-
-    unsafe fn widen(
-        from: *const i8,
-        to: *mut i16,
-        distance: usize,
-        pixels: usize,
-        channels: usize,
-    ) {
-        // SAFETY: the caller's promise.
-        unsafe { Sse2::widen(from, to, distance, pixels, channels) };
-    }
-
-    unsafe fn run(map: &Linear<'_>, shape: &Shape, window: *const i16, line: &mut [i8]) {
-        // SAFETY: the caller's promise, and the processor has AVX2.
-        unsafe { run(map, shape, window, line) };
-    }
-}
-
-impl Vectors for Avx2 {
-    unsafe fn sums(tiles: &[Tile], input: *const i16) -> [i32; EDGE] {
-        // SAFETY: the caller's promise, and the processor has AVX2.
-        unsafe { sums(tiles, input) }
-    }
-}
-
-/// What a block of four rows adds to its sums, twice, for two pixels.
-struct Block {
-    first_bias: __m128i,         // rows 0, 2, 0, 2
-    second_bias: __m128i,        // rows 1, 3, 1, 3
-    first_multipliers: __m256i,  // i64
-    second_multipliers: __m256i, // i64
-    constant: __m256i,           // i64: zero point and a half
-}
-
-impl Block {
-    #[target_feature(enable = "avx2")]
-    fn new(bias: &[[u8; 4]], multipliers: &[[u8; 4]], zero: i8) -> Self {
-        let number = |list: &[[u8; 4]], row| list.get(row).map_or(0, |n| i32::from_le_bytes(*n));
-        let pair = |list, a, b| {
-            let (a, b) = (number(list, a), number(list, b));
-            _mm_setr_epi32(a, b, a, b)
-        };
-        Self {
-            first_bias: pair(bias, 0, 2),
-            second_bias: pair(bias, 1, 3),
-            first_multipliers: _mm256_cvtepi32_epi64(pair(multipliers, 0, 2)),
-            second_multipliers: _mm256_cvtepi32_epi64(pair(multipliers, 1, 3)),
-            constant: _mm256_set1_epi64x((i64::from(zero) << 32) + (1 << 31)),
+impl Level {
+    /// The highest that this processor has. It is asked once: under a hypervisor that takes long.
+    pub fn here() -> Self {
+        const NOT_ASKED: u8 = u8::MAX;
+        static KNOWN: AtomicU8 = AtomicU8::new(NOT_ASKED);
+        let mut known = KNOWN.load(Ordering::Relaxed);
+        if known == NOT_ASKED {
+            known = Self::ask() as u8;
+            KNOWN.store(known, Ordering::Relaxed);
+        }
+        match known {
+            0 => Self::Sse2,
+            1 => Self::Avx2,
+            _ => Self::Vnni,
         }
     }
 
-    /// Rows 0 to 3 of two pixels, as 32 bits, not yet saturated.
-    #[target_feature(enable = "avx2")]
-    fn finish(&self, one: Sums, other: Sums) -> __m256i {
-        let (one, other) = (one.reduce(), other.reduce());
-        let r = _mm_unpacklo_epi64(one, other);
-        let first = _mm_unpackhi_epi64(one, other);
-        let second = _mm_srai_epi32(_mm_sub_epi32(r, first), 8);
-        let first = _mm256_cvtepi32_epi64(_mm_add_epi32(first, self.first_bias));
-        let second = _mm256_cvtepi32_epi64(_mm_add_epi32(second, self.second_bias));
-        let first = _mm256_mul_epi32(first, self.first_multipliers);
-        let second = _mm256_mul_epi32(second, self.second_multipliers);
-        // The upper halves of 64 bits are the results.
-        let first = _mm256_srli_epi64(_mm256_add_epi64(first, self.constant), 32);
-        _mm256_blend_epi32(first, _mm256_add_epi64(second, self.constant), 0b1010_1010)
-    }
-}
-
-/// R and S: (rows 0 and 1, rows 0 and 1, rows 2 and 3, rows 2 and 3) of even tiles, then of odd ones.
-#[derive(Clone, Copy)]
-struct Sums {
-    raw: __m256i,
-    low: __m256i,
-}
-
-impl Sums {
-    #[target_feature(enable = "avx2")]
-    fn new() -> Self {
-        Self { raw: _mm256_setzero_si256(), low: _mm256_setzero_si256() }
-    }
-
-    /// R of both pairs of rows, then S.
-    #[target_feature(enable = "avx2")]
-    fn reduce(self) -> __m128i {
-        let halves =
-            |sums| _mm_add_epi32(_mm256_castsi256_si128(sums), _mm256_extracti128_si256(sums, 1));
-        _mm_hadd_epi32(halves(self.raw), halves(self.low))
-    }
-
-    /// Adds the products of tiles with their numbers.
-    #[target_feature(enable = "avx2")]
-    fn add(&mut self, tiles: __m256i, low: __m256i, numbers: __m256i) {
-        self.raw = _mm256_add_epi32(self.raw, _mm256_madd_epi16(tiles, numbers));
-        self.low = _mm256_add_epi32(self.low, _mm256_madd_epi16(low, numbers));
-    }
-}
-
-/// The low bytes of lanes.
-#[target_feature(enable = "avx2")]
-fn low_bytes(lanes: __m256i) -> __m256i {
-    _mm256_srai_epi16(_mm256_slli_epi16(lanes, 8), 8)
-}
-
-/// R and S of a run of tiles for some pixels.
-///
-/// # Safety
-///
-/// There must be four numbers for each tile, from each pixel's window on.
-#[target_feature(enable = "avx2")]
-unsafe fn add_tiles<const PIXELS: usize>(
-    tiles: &[Tile],
-    window: *const i16,
-    distance: usize,
-    sums: &mut [Sums; PIXELS],
-) {
-    let (pairs, rest) = tiles.as_chunks::<2>();
-    let mut window = window;
-    for pair in pairs {
-        // SAFETY: 32 bytes of two tiles; the numbers are the caller's promise.
-        unsafe {
-            let tiles = _mm256_loadu_si256(pair.as_ptr().cast());
-            let low = low_bytes(tiles);
-            for (pixel, sums) in sums.iter_mut().enumerate() {
-                let eight = _mm_loadu_si128(window.add(pixel * distance).cast());
-                // Each four twice: for both halves of its tile.
-                let eight = _mm256_broadcastsi128_si256(eight);
-                let twice = _mm256_permute_pd(_mm256_castsi256_pd(eight), 0b1100);
-                sums.add(tiles, low, _mm256_castpd_si256(twice));
-            }
-            window = window.add(GROUP);
+    fn ask() -> Self {
+        cpufeatures::new!(avx2, "avx2");
+        cpufeatures::new!(avx512, "avx2", "avx512f", "avx512vl");
+        if avx512::get() {
+            // Leaf 7 is there where AVX-512 is. Bit 11 is VNNI, which cpufeatures does not know.
+            let leaf = core::arch::x86_64::__cpuid_count(7, 0);
+            return if leaf.ecx & (1 << 11) != 0 { Self::Vnni } else { Self::Avx2 };
         }
+        if avx2::get() { Self::Avx2 } else { Self::Sse2 }
     }
-    if let [tile] = rest {
-        // SAFETY: 16 bytes of a tile; four numbers are the caller's promise.
-        unsafe {
-            let tile = _mm256_zextsi128_si256(_mm_loadu_si128(tile.as_ptr().cast()));
-            let low = low_bytes(tile);
-            for (pixel, sums) in sums.iter_mut().enumerate() {
-                let four = _mm_loadl_epi64(window.add(pixel * distance).cast());
-                let twice = _mm256_zextsi128_si256(_mm_unpacklo_epi64(four, four));
-                sums.add(tile, low, twice);
+}
+
+/// The kernels of one level, and of a lower one where the processor has no more.
+macro_rules! kernels {
+    ($level:expr) => {
+        pub use scalar::fully_connected_wide;
+
+        /// Adds a part of a linear map, without its bias. As [`scalar::accumulate`].
+        pub fn accumulate(map: &Linear<'_>, first: usize, input: &[i8], sums: &mut [i32]) {
+            let is_done = match $level {
+                Level::Sse2 => vectors::accumulate::<Sse2>(map, first, input, sums),
+                Level::Avx2 => vectors::accumulate::<Avx2>(map, first, input, sums),
+                Level::Vnni => vectors::accumulate::<Vnni>(map, first, input, sums),
+            };
+            if !is_done {
+                scalar::accumulate(map, first, input, sums);
             }
         }
-    }
-}
 
-/// As [`Lines::run`].
-///
-/// # Safety
-///
-/// As there.
-#[target_feature(enable = "avx2")]
-unsafe fn run(map: &Linear<'_>, shape: &Shape, window: *const i16, line: &mut [i8]) {
-    const AT_ONCE: usize = 4;
-    let &Shape { pixels, distance, group, tiles: per_group } = shape;
-    let low = _mm256_set1_epi8(map.low);
-    let lists = map.bias.chunks(EDGE).zip(map.multipliers.chunks(EDGE));
-    for (index, (tiles, (bias, multipliers))) in
-        map.weights.chunks_exact(map.stride()).zip(lists).enumerate()
-    {
-        let block = Block::new(bias, multipliers, map.zero);
-        let mut outputs = line
-            .chunks_exact_mut(map.bias.len().max(1))
-            .filter_map(|pixel| pixel.get_mut(EDGE * index..));
-        let mut put = |bytes: i32| {
-            for (place, byte) in
-                outputs.next().unwrap_or_default().iter_mut().zip(bytes.to_le_bytes())
-            {
-                *place = byte as i8;
-            }
-        };
-        let mut pixel = 0;
-        while pixel < pixels {
-            // SAFETY: the caller's promise: from each pixel's window on lie all groups.
-            unsafe {
-                let window = window.add(pixel * distance);
-                if pixel + AT_ONCE <= pixels {
-                    let mut sums = [Sums::new(); AT_ONCE];
-                    for (at, tiles) in tiles.chunks(per_group.max(1)).enumerate() {
-                        add_tiles(tiles, window.add(at * group), distance, &mut sums);
-                    }
-                    let [a, b, c, d] = sums;
-                    // (a, c | b, d) after the first pack, which works within halves.
-                    let packed = _mm256_packs_epi32(block.finish(a, b), block.finish(c, d));
-                    let packed = _mm256_max_epi8(_mm256_packs_epi16(packed, packed), low);
-                    put(_mm256_extract_epi32(packed, 0));
-                    put(_mm256_extract_epi32(packed, 4));
-                    put(_mm256_extract_epi32(packed, 1));
-                    put(_mm256_extract_epi32(packed, 5));
-                    pixel += AT_ONCE;
-                } else {
-                    let mut sums = [Sums::new()];
-                    for (at, tiles) in tiles.chunks(per_group.max(1)).enumerate() {
-                        add_tiles(tiles, window.add(at * group), distance, &mut sums);
-                    }
-                    let [a] = sums;
-                    let packed = block.finish(a, a);
-                    let packed = _mm256_packs_epi32(packed, packed);
-                    let packed = _mm256_max_epi8(_mm256_packs_epi16(packed, packed), low);
-                    put(_mm256_extract_epi32(packed, 0));
-                    pixel += 1;
-                }
+        /// Brings sums to bytes. As [`scalar::requantize_all`].
+        pub fn requantize_all(map: &Linear<'_>, sums: &[i32], output: &mut [i8]) {
+            if $level == Level::Sse2 {
+                scalar::requantize_all(map, sums, output);
+            } else {
+                // SAFETY: the processor has AVX2.
+                unsafe { avx2::requantize_all(map, sums, output) };
             }
         }
-    }
+
+        /// A fully connected layer. As [`scalar::fully_connected`].
+        pub fn fully_connected(map: &Linear<'_>, input: &[i8], output: &mut [i8]) {
+            let is_done = match $level {
+                Level::Sse2 => vectors::fully_connected::<Sse2>(map, input, output),
+                Level::Avx2 => vectors::fully_connected::<Avx2>(map, input, output),
+                Level::Vnni => vectors::fully_connected::<Vnni>(map, input, output),
+            };
+            if !is_done {
+                scalar::fully_connected(map, input, output);
+            }
+        }
+
+        /// A fully connected layer of every pixel by itself. As [`scalar::pointwise`].
+        pub fn pointwise(
+            map: &Linear<'_>,
+            channels: usize,
+            input: &[i8],
+            rows: &mut Rows,
+            output: &mut [i8],
+        ) {
+            let is_done = match $level {
+                Level::Sse2 => windows::pointwise::<Sse2>(map, channels, input, rows, output),
+                Level::Avx2 => windows::pointwise::<Avx2>(map, channels, input, rows, output),
+                Level::Vnni => windows::pointwise::<Vnni>(map, channels, input, rows, output),
+            };
+            if !is_done {
+                scalar::pointwise(map, channels, input, rows, output);
+            }
+        }
+
+        /// A convolution with a window of 3 x 3 pixels. As [`scalar::convolve`].
+        pub fn convolve(
+            map: &Linear<'_>,
+            stride: usize,
+            input: &Grid<'_>,
+            rows: &mut Rows,
+            output: &mut [i8],
+        ) {
+            let is_done = match $level {
+                Level::Sse2 => windows::convolve::<Sse2>(map, stride, input, rows, output),
+                Level::Avx2 => windows::convolve::<Avx2>(map, stride, input, rows, output),
+                Level::Vnni => windows::convolve::<Vnni>(map, stride, input, rows, output),
+            };
+            if !is_done {
+                scalar::convolve(map, stride, input, rows, output);
+            }
+        }
+
+        /// A convolution with a window of 3 x 3 pixels of three colours. As
+        /// [`scalar::convolve_colours`].
+        pub fn convolve_colours(
+            map: &Linear<'_>,
+            stride: usize,
+            input: &Grid<'_>,
+            rows: &mut Rows,
+            output: &mut [i8],
+        ) {
+            let is_done = match $level {
+                Level::Sse2 => windows::convolve_colours::<Sse2>(map, stride, input, rows, output),
+                Level::Avx2 => windows::convolve_colours::<Avx2>(map, stride, input, rows, output),
+                Level::Vnni => windows::convolve_colours::<Vnni>(map, stride, input, rows, output),
+            };
+            if !is_done {
+                scalar::convolve_colours(map, stride, input, rows, output);
+            }
+        }
+
+        /// Adds a map onto another. As [`scalar::add_residual`].
+        pub fn add_residual(add: &Addition, values: &mut [i8], others: &[i8]) {
+            if $level == Level::Sse2 {
+                scalar::add_residual(add, values, others);
+            } else {
+                // SAFETY: the processor has AVX2.
+                unsafe { avx2::add_residual(add, values, others) };
+            }
+        }
+    };
 }
 
-/// As [`Vectors::sums`].
-///
-/// # Safety
-///
-/// As there.
-#[target_feature(enable = "avx2")]
-unsafe fn sums(tiles: &[Tile], input: *const i16) -> [i32; EDGE] {
-    let mut sums = [Sums::new()];
-    // SAFETY: the caller's promise.
-    unsafe { add_tiles(tiles, input, 0, &mut sums) };
-    let [sums] = sums.map(|sums| sums.reduce());
-    let (ra, rb) = (_mm_extract_epi32(sums, 0), _mm_extract_epi32(sums, 1));
-    let (sa, sb) = (_mm_extract_epi32(sums, 2), _mm_extract_epi32(sums, 3));
-    [sa, ra.wrapping_sub(sa) >> 8, sb, rb.wrapping_sub(sb) >> 8]
+kernels!(Level::here());
+
+/// The kernels of a processor that has no more than SSE2.
+pub mod only_sse2 {
+    use super::*;
+
+    kernels!(Level::Sse2);
 }
 
-/// The definition, compiled for AVX2: four sums at once.
-#[target_feature(enable = "avx2")]
-fn requantize_all_avx2(map: &Linear<'_>, sums: &[i32], output: &mut [i8]) {
-    scalar::requantize_all(map, sums, output);
-}
+/// The kernels of a processor that has no more than AVX2.
+pub mod up_to_avx2 {
+    use super::*;
 
-/// The definition, compiled for AVX2: eight elements at once.
-#[target_feature(enable = "avx2")]
-fn add_residual_avx2(add: &Addition, values: &mut [i8], others: &[i8]) {
-    scalar::add_residual(add, values, others);
+    kernels!(Level::here().min(Level::Avx2));
 }

@@ -38,3 +38,9 @@ fn sse2() {
 fn avx2() {
     try_out::<kernel_suite::backends::Avx2>();
 }
+
+#[cfg(all(feature = "arch", target_arch = "x86_64"))]
+#[test]
+fn vnni() {
+    try_out::<kernel_suite::backends::Vnni>();
+}

@@ -2,64 +2,7 @@
 
 use core::arch::x86_64::*;
 
-use crate::kernels::vectors::{self, Vectors};
-use crate::kernels::windows::{self, Lines, Shape};
-use crate::kernels::{EDGE, GROUP, Grid, Linear, Rows, Tile, scalar};
-
-pub use scalar::{add_residual, fully_connected_wide, requantize_all};
-
-/// Adds a part of a linear map, without its bias. As [`scalar::accumulate`].
-pub fn accumulate(map: &Linear<'_>, first: usize, input: &[i8], sums: &mut [i32]) {
-    if !vectors::accumulate::<Sse2>(map, first, input, sums) {
-        scalar::accumulate(map, first, input, sums);
-    }
-}
-
-/// A fully connected layer. As [`scalar::fully_connected`].
-pub fn fully_connected(map: &Linear<'_>, input: &[i8], output: &mut [i8]) {
-    if !vectors::fully_connected::<Sse2>(map, input, output) {
-        scalar::fully_connected(map, input, output);
-    }
-}
-
-/// A fully connected layer of every pixel by itself. As [`scalar::pointwise`].
-pub fn pointwise(
-    map: &Linear<'_>,
-    channels: usize,
-    input: &[i8],
-    rows: &mut Rows,
-    output: &mut [i8],
-) {
-    if !windows::pointwise::<Sse2>(map, channels, input, rows, output) {
-        scalar::pointwise(map, channels, input, rows, output);
-    }
-}
-
-/// A convolution with a window of 3 x 3 pixels. As [`scalar::convolve`].
-pub fn convolve(
-    map: &Linear<'_>,
-    stride: usize,
-    input: &Grid<'_>,
-    rows: &mut Rows,
-    output: &mut [i8],
-) {
-    if !windows::convolve::<Sse2>(map, stride, input, rows, output) {
-        scalar::convolve(map, stride, input, rows, output);
-    }
-}
-
-/// A convolution with a window of 3 x 3 pixels of three colours. As [`scalar::convolve_colours`].
-pub fn convolve_colours(
-    map: &Linear<'_>,
-    stride: usize,
-    input: &Grid<'_>,
-    rows: &mut Rows,
-    output: &mut [i8],
-) {
-    if !windows::convolve_colours::<Sse2>(map, stride, input, rows, output) {
-        scalar::convolve_colours(map, stride, input, rows, output);
-    }
-}
+use super::{EDGE, GROUP, Linear, Lines, Shape, Tile, Vectors};
 
 /// SSE2.
 pub(super) enum Sse2 {}
@@ -67,8 +10,8 @@ pub(super) enum Sse2 {}
 impl Lines for Sse2 {
     const LEAST: usize = 1;
 
-    fn takes(_map: &Linear<'_>) -> bool {
-        true
+    fn takes(map: &Linear<'_>) -> bool {
+        map.bias.len().is_multiple_of(EDGE)
     }
 
     unsafe fn widen(

@@ -3,9 +3,9 @@
 use std::sync::{Mutex, OnceLock};
 
 use kernel_suite::backends::Chosen;
-use kernel_suite::layers::digest;
+use kernel_suite::layers::{digest, picture};
 use kernel_suite::suite::{Room, run};
-use vantage_core::soarnet::{INPUT, Image, Model, Pixels, SIDE, Scratch};
+use vantage_core::soarnet::{Image, Model, Pixels, SIDE, Scratch};
 
 const SEED: u64 = 1;
 const ROUNDS: usize = 400;
@@ -45,7 +45,7 @@ static SCRATCH: Mutex<Scratch> = Mutex::new(Scratch::new());
 // SAFETY: no other symbol of this module bears the name.
 #[unsafe(no_mangle)]
 pub extern "C" fn kernels_encode(times: u32) -> u32 {
-    let bytes: Vec<u8> = (0..INPUT).map(|index| ((index * 31) >> 4) as u8).collect();
+    let bytes = picture();
     let image = Image::try_new(SIDE as u32, SIDE as u32, Pixels::Rgb888, &bytes);
     let (Ok(model), Ok(image), Ok(mut scratch)) = (Model::parse(FILE), image, SCRATCH.lock())
     else {
