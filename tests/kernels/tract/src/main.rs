@@ -35,7 +35,7 @@ fn main() -> Result<()> {
     let values = (0..3).flat_map(|channel| (0..SIDE * SIDE).map(move |pixel| (channel, pixel)));
     let values: Vec<f32> = values.map(|(c, p)| (at(c, p) - 128.0) / 128.0).collect();
     // The other inputs do not reach the outputs, but must be there.
-    let inputs = INPUTS.map(|shape| Tensor::zero::<f32>(shape));
+    let inputs = INPUTS.map(Tensor::zero::<f32>);
     let mut inputs = inputs.into_iter().collect::<TractResult<Vec<_>>>().map_err(told)?;
     if let Some(photo) = inputs.first_mut() {
         *photo = Tensor::from_shape(INPUTS[0], &values).map_err(told)?;
