@@ -1,15 +1,14 @@
 //! The DSP extension of Armv7E-M and Armv8-M: Cortex-M4, M7, M33.
 //!
 //! ```text
-//! plain:   for each output pixel, row r:  sum = bias + Σ_c weights[r, c] · input[c]
-//! here:    widen three rows of the map to 16 bits, [group of 8 channels][column][row][channel]
-//!          for each two rows of the layer, for three (or two) neighbouring pixels:
-//!              R, S += two columns at once: smlad of the lanes as they are, and of their low bytes
-//!              first sum = S, second sum = (R - S) >> 8
+//! plain:   sum = bias + Σ_c weights[r, c] · input[c], for each output pixel and each row r
+//! here:    R, S += two columns at once: smlad of the lanes as they are, and of their low bytes,
+//!          for two rows and for three (or two) neighbouring pixels
+//!          first row's sum = S, second row's sum = (R - S) >> 8
 //! ```
 //!
-//! Within a group a window is one run of memory, and the windows of neighbours lie a constant distance
-//! apart, so one pointer reaches them all. Six sums, four registers of weights, two of an input and two
+//! The windows of neighbours lie a constant distance apart (see `windows`), so one pointer reaches them
+//! all. Six sums, four registers of weights, two of an input and two
 //! pointers are all there are; hence functions without a prologue, whose registers are ours, and whose
 //! other numbers lie on the stack. A step of four columns takes 18 instructions for 24 products.
 //!
@@ -19,7 +18,8 @@
 use core::arch::{asm, naked_asm};
 use core::mem::MaybeUninit;
 
-use super::{Addition, EDGE, GROUP, Grid, Linear, MAX_CHANNELS, Order, Rows, Tile, scalar};
+use super::windows::{self, Lines, Shape, is_whole};
+use super::{Addition, EDGE, GROUP, Grid, Linear, Rows, Tile, scalar};
 
 pub use scalar::fully_connected_wide;
 
@@ -80,7 +80,7 @@ pub fn requantize_all(map: &Linear<'_>, sums: &[i32], output: &mut [i8]) {
 /// A fully connected layer. As [`scalar::fully_connected`].
 pub fn fully_connected(map: &Linear<'_>, input: &[i8], output: &mut [i8]) {
     let (rows, stride) = (map.bias.len(), map.stride());
-    let fits = is_aligned(map)
+    let fits = Dsp::takes(map)
         && is_whole(map, map.columns)
         && (1..=WIDENED).contains(&input.len())
         && output.len() >= rows;
@@ -118,51 +118,8 @@ pub fn pointwise(
     rows: &mut Rows,
     output: &mut [i8],
 ) {
-    let outputs = map.bias.len();
-    let groups = channels.div_ceil(GROUP);
-    let most = Rows::LENGTH.checked_div(GROUP * groups).unwrap_or(0);
-    let fits = is_aligned(map)
-        && is_whole(map, Order::Plain { columns: channels }.packed())
-        && channels.is_multiple_of(GROUP)
-        && most >= 4;
-    if !fits {
-        return scalar::pointwise(map, channels, input, rows, output);
-    }
-    let mut input = input;
-    let mut output = output;
-    loop {
-        let pixels = input.len().checked_div(channels).unwrap_or(0);
-        let pixels = pixels.min(output.len().checked_div(outputs).unwrap_or(0));
-        // Never a single pixel for the end.
-        let pixels = if pixels > most { most - 2 } else { pixels };
-        let Some((now, later)) = input.split_at_checked(pixels * channels) else { return };
-        input = later;
-        let Some((here, rest)) =
-            core::mem::take(&mut output).split_at_mut_checked(pixels * outputs)
-        else {
-            return;
-        };
-        output = rest;
-        match pixels {
-            0 => return,
-            1 => fully_connected(map, now, here),
-            _ => {
-                for (group, buffer) in
-                    rows.0.chunks_exact_mut(GROUP * pixels).enumerate().take(groups)
-                {
-                    // SAFETY: `now` holds `pixels` times `channels` bytes, of which the eight of this
-                    // group are read; the buffer has room for as many pixels of eight numbers.
-                    unsafe {
-                        let from = now.as_ptr().add(GROUP * group);
-                        widen_row::<16>(from, buffer.as_mut_ptr(), pixels, channels);
-                    }
-                }
-                let shape = Shape { pixels, distance: GROUP, group: GROUP * pixels, tiles: 2 };
-                // SAFETY: the rows have just been written, `here` has room for all rows of all
-                // pixels, and the map is whole.
-                unsafe { run_row(map, &shape, [three_single, two_single], rows, here) };
-            }
-        }
+    if !windows::pointwise::<Dsp>(map, channels, input, rows, output) {
+        scalar::pointwise(map, channels, input, rows, output);
     }
 }
 
@@ -174,51 +131,8 @@ pub fn convolve(
     rows: &mut Rows,
     output: &mut [i8],
 ) {
-    let Grid { values, side, channels, border } = *input;
-    let groups = channels.div_ceil(GROUP);
-    let group = (3 * GROUP).saturating_mul(side.saturating_add(2)); // numbers of a group in the rows
-    let pixels = if stride == 2 { side.div_ceil(2) } else { side };
-    let fits = is_aligned(map)
-        && is_whole(map, Order::Window { channels }.packed())
-        && (1..=2).contains(&stride)
-        && (1..=MAX_CHANNELS).contains(&channels)
-        && pixels >= 2
-        && groups.saturating_mul(group) <= Rows::LENGTH
-        && values.len() >= side * side * channels
-        && output.len() >= pixels * pixels * map.bias.len();
-    if !fits {
-        return scalar::convolve(map, stride, input, rows, output);
-    }
-    // What is beyond the border at both sides, and where there is no channel, is never overwritten.
-    rows.0.get_mut(..groups * group).unwrap_or_default().fill(border.into());
-    let kernels = if stride == 2 { [three_of_two, two_of_two] } else { [three_of_one, two_of_one] };
-    let shape = Shape { pixels, distance: 3 * GROUP * stride, group, tiles: 18 };
-    let lines = output.chunks_exact_mut((pixels * map.bias.len()).max(1)).take(pixels);
-    for (y, line) in lines.enumerate() {
-        for row in 0..3 {
-            let from = (y * stride + row).checked_sub(1).filter(|from| *from < side);
-            let line = from.and_then(|from| values.get(from * side * channels..));
-            for at in 0..groups {
-                let to = at * group + GROUP * (3 + row);
-                let Some(to) = rows.0.get_mut(to..(at + 1) * group) else { return };
-                match line {
-                    Some(line) if channels - GROUP * at >= GROUP => {
-                        // SAFETY: the line has `side` pixels of `channels` bytes, and this group has
-                        // eight of them; the group's numbers have room for `side` pixels after the
-                        // one beyond the border.
-                        unsafe {
-                            let from = line.as_ptr().add(GROUP * at);
-                            widen_row::<48>(from, to.as_mut_ptr(), side, channels);
-                        }
-                    }
-                    Some(line) => widen_part(line, GROUP * at, channels, side, to),
-                    None => fill_row(to, side, border),
-                }
-            }
-        }
-        // SAFETY: the rows are written, the line has room for all rows of all pixels, and the map is
-        // whole.
-        unsafe { run_row(map, &shape, kernels, rows, line) };
+    if !windows::convolve::<Dsp>(map, stride, input, rows, output) {
+        scalar::convolve(map, stride, input, rows, output);
     }
 }
 
@@ -230,46 +144,8 @@ pub fn convolve_colours(
     rows: &mut Rows,
     output: &mut [i8],
 ) {
-    const COLUMN: usize = 10; // numbers of a column of the rows
-    let Grid { values, side, channels, border } = *input;
-    let pixels = if stride == 2 { side.div_ceil(2) } else { side };
-    let fits = is_aligned(map)
-        && is_whole(map, Order::Colours.packed())
-        && (1..=2).contains(&stride)
-        && channels == 3
-        && pixels >= 2
-        && side <= Rows::LENGTH / COLUMN - 3
-        && values.len() >= side * side * channels
-        && output.len() >= pixels * pixels * map.bias.len();
-    if !fits {
-        return scalar::convolve_colours(map, stride, input, rows, output);
-    }
-    rows.0.get_mut(..COLUMN * (side + 3)).unwrap_or_default().fill(border.into());
-    let kernels = match stride {
-        2 => [three_colours_of_two, two_colours_of_two],
-        _ => [three_colours_of_one, two_colours_of_one],
-    };
-    let shape = Shape { pixels, distance: COLUMN * stride, group: 0, tiles: 7 };
-    let lines = output.chunks_exact_mut((pixels * map.bias.len()).max(1)).take(pixels);
-    for (y, line) in lines.enumerate() {
-        for row in 0..3 {
-            let columns = rows.0.chunks_exact_mut(COLUMN).skip(1).take(side);
-            let columns = columns.filter_map(|column| column.get_mut(3 * row..3 * row + 3));
-            let from = (y * stride + row).checked_sub(1).filter(|from| *from < side);
-            let line = from.and_then(|from| values.get(from * side * 3..));
-            match line {
-                Some(line) => {
-                    for (column, pixel) in columns.zip(line.as_chunks::<3>().0) {
-                        for (number, value) in column.iter_mut().zip(pixel) {
-                            *number = i16::from(*value);
-                        }
-                    }
-                }
-                None => columns.for_each(|column| column.fill(border.into())),
-            }
-        }
-        // SAFETY: as in `convolve`; the seventh tile's successor is read by half, and is there.
-        unsafe { run_row(map, &shape, kernels, rows, line) };
+    if !windows::convolve_colours::<Dsp>(map, stride, input, rows, output) {
+        scalar::convolve_colours(map, stride, input, rows, output);
     }
 }
 
@@ -327,16 +203,6 @@ fn is_aligned(map: &Linear<'_>) -> bool {
     let lists =
         [map.weights.as_ptr().addr(), map.bias.as_ptr().addr(), map.multipliers.as_ptr().addr()];
     lists.iter().all(|address| address.is_multiple_of(4))
-}
-
-/// Whether all tiles of all rows are there, for so many columns, and the rows are whole blocks.
-fn is_whole(map: &Linear<'_>, columns: usize) -> bool {
-    let rows = map.bias.len();
-    rows.is_multiple_of(EDGE)
-        && rows > 0
-        && map.multipliers.len() == rows
-        && map.columns == columns
-        && map.weights.len() >= rows / EDGE * map.stride()
 }
 
 /// Widens `count` groups of four bytes into the order of lanes; what is missing is 0.
@@ -408,39 +274,6 @@ unsafe fn widen_row<const DISTANCE: usize>(
     }
 }
 
-/// As [`widen_row`] for the last channels of a map, of which there are fewer than eight.
-fn widen_part(line: &[i8], first: usize, channels: usize, side: usize, to: &mut [i16]) {
-    let pixels = line.chunks_exact(channels.max(1)).take(side);
-    for (eight, pixel) in to.chunks_mut(3 * GROUP).zip(pixels) {
-        for (four, values) in
-            eight.chunks_mut(EDGE).zip(pixel.get(first..).unwrap_or_default().chunks(EDGE))
-        {
-            for (value, lane) in values.iter().zip(super::LANES) {
-                if let Some(place) = four.get_mut(lane) {
-                    *place = i16::from(*value);
-                }
-            }
-        }
-    }
-}
-
-/// Fills eight channels of each pixel of a row.
-fn fill_row(to: &mut [i16], side: usize, border: i8) {
-    for eight in to.chunks_mut(3 * GROUP).take(side) {
-        for place in eight.iter_mut().take(GROUP) {
-            *place = border.into();
-        }
-    }
-}
-
-/// How the windows of a line of output pixels lie in the rows, in numbers.
-struct Shape {
-    pixels: usize,   // at least 2
-    distance: usize, // from one pixel to the next
-    group: usize,    // from one group of channels to the next
-    tiles: usize,    // that belong to a group
-}
-
 /// What an inner loop needs beyond its registers, in the order of its stack.
 #[repr(C)]
 struct Run {
@@ -459,32 +292,69 @@ struct Run {
 
 type Kernel = unsafe extern "C" fn(&Run);
 
+/// The DSP extension.
+enum Dsp {}
+
+impl Lines for Dsp {
+    /// There is a loop for two pixels and none for one.
+    const LEAST: usize = 2;
+
+    fn takes(map: &Linear<'_>) -> bool {
+        is_aligned(map) && map.bias.len().is_multiple_of(EDGE)
+    }
+
+    unsafe fn widen(
+        from: *const i8,
+        to: *mut i16,
+        distance: usize,
+        pixels: usize,
+        channels: usize,
+    ) {
+        // SAFETY: the caller's promise.
+        unsafe {
+            match distance {
+                GROUP => widen_row::<16>(from, to, pixels, channels),
+                _ => widen_row::<48>(from, to, pixels, channels),
+            }
+        }
+    }
+
+    unsafe fn run(map: &Linear<'_>, shape: &Shape, window: *const i16, line: &mut [i8]) {
+        let kernels: [Kernel; 2] = match (shape.tiles, shape.distance) {
+            (8, 20) => [three_colours_of_two, two_colours_of_two],
+            (8, _) => [three_colours_of_one, two_colours_of_one],
+            (18, 48) => [three_of_two, two_of_two],
+            (18, _) => [three_of_one, two_of_one],
+            _ => [three_single, two_single],
+        };
+        // SAFETY: the caller's promise; the kernels are those of the distance.
+        unsafe { run_line(map, shape, kernels, window, line) };
+    }
+}
+
 /// Computes a line of output pixels: as many threes as leave twos.
 ///
 /// # Safety
 ///
-/// The map must be whole and aligned, its columns those of all groups of `shape`; the rows must hold
-/// what the windows read; `line` must have room for all rows of all pixels.
-unsafe fn run_row(
+/// As [`Lines::run`], with the kernels of the shape.
+unsafe fn run_line(
     map: &Linear<'_>,
     shape: &Shape,
     [three, two]: [Kernel; 2],
-    rows: &Rows,
+    window: *const i16,
     line: &mut [i8],
 ) {
-    let &Shape { pixels, distance, group, tiles } = shape;
+    let &Shape { pixels, distance, group, .. } = shape;
     let twos = match pixels % 3 {
         0 => 0,
         1 => 2,
         _ => 1,
     };
     let threes = pixels - 2 * twos;
-    let stride = map.stride();
     let pairs = map.bias.as_chunks::<2>().0.iter().zip(map.multipliers.as_chunks::<2>().0);
-    let bytes = size_of::<Tile>() * stride;
+    let bytes = size_of::<Tile>() * map.stride();
     let mut weights: *const u8 = map.weights.as_ptr().cast();
     let mut output = line.as_mut_ptr();
-    let window = rows.0.as_ptr();
     for (index, (biases, multipliers)) in pairs.enumerate() {
         let [bias, second_bias] = biases.map(i32::from_le_bytes);
         // SAFETY: all stay within the rows, the tiles and the line, or just behind them.
@@ -495,7 +365,7 @@ unsafe fn run_row(
                 window,
                 end: window.add(distance * threes),
                 group: 2 * group,
-                last: weights.add(size_of::<Tile>() * if group == 0 { tiles } else { stride }),
+                last: weights.add(bytes),
                 multipliers: multipliers.map(i32::from_le_bytes),
                 second_bias,
                 zero: map.zero.into(),

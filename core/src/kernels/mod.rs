@@ -13,9 +13,12 @@
 //!
 //! | target | instructions |
 //! |---|---|
-//! | Cortex-M4, M7, and M33 with `-C target-cpu=cortex-m33` | [`arm_dsp`]: `smlad` |
+//! | Cortex-M4, M7, and M33 with `-C target-cpu=cortex-m33` | `arm_dsp`: `smlad` |
+//! | WebAssembly built with `-C target-feature=+simd128` | `wasm_simd`: `i32x4.dot_i16x8_s` |
+//! | x86-64 | `x86`: `pmaddwd` of SSE2 or AVX2, or `vpdpwssd`, as the processor says that it has them |
 //!
-//! Without the feature `arch` the definition runs everywhere.
+//! Elsewhere, and everywhere without the feature `arch`, the definition runs. (`build.rs` names these
+//! targets `vantage_…`: a stable compiler does not tell the sources what a Cortex-M has.)
 //!
 //! Numbers of 32 bits are given as their little-endian bytes and weights as tiles of bytes, because
 //! that is how they lie in a file in flash, at any alignment; on a Cortex-M what is not aligned to 4
@@ -23,15 +26,34 @@
 
 pub mod scalar;
 mod tile;
+#[cfg(any(vantage_dsp, vantage_x86, vantage_wasm))]
+#[allow(unsafe_code, reason = "memory that has been measured before")]
+mod windows;
+
+#[cfg(any(vantage_x86, vantage_wasm))]
+#[allow(unsafe_code, reason = "memory that has been measured before")]
+mod vectors;
 
 #[cfg(vantage_dsp)]
 #[allow(unsafe_code, reason = "instructions that the language has no name for")]
 pub mod arm_dsp;
 
+#[cfg(vantage_wasm)]
+#[allow(unsafe_code, reason = "vectors read memory by its address")]
+pub mod wasm_simd;
+
+#[cfg(vantage_x86)]
+#[allow(unsafe_code, reason = "instructions that not every processor has")]
+pub mod x86;
+
 #[cfg(vantage_dsp)]
 use arm_dsp as chosen;
-#[cfg(not(vantage_dsp))]
+#[cfg(not(any(vantage_dsp, vantage_x86, vantage_wasm)))]
 use scalar as chosen;
+#[cfg(vantage_wasm)]
+use wasm_simd as chosen;
+#[cfg(vantage_x86)]
+use x86 as chosen;
 
 pub use chosen::{
     accumulate, add_residual, convolve, convolve_colours, fully_connected, fully_connected_wide,
@@ -60,7 +82,8 @@ pub struct Linear<'a> {
     pub columns: usize,
     /// Shape (rows), i32 little-endian.
     pub bias: &'a [[u8; 4]],
-    /// Shape (rows), i32 little-endian, units of 2^-32; units of 2^-20 where the output is wide.
+    /// Shape (rows), i32 little-endian, not negative, units of 2^-32; units of 2^-20 where the output is
+    /// wide.
     pub multipliers: &'a [[u8; 4]],
     /// The output's zero point.
     pub zero: i8,

@@ -123,3 +123,34 @@ kernels!(
     "scalar",
     vantage_core::kernels::scalar
 );
+
+#[cfg(all(feature = "arch", target_arch = "x86_64"))]
+mod x86 {
+    use vantage_core::kernels::x86::Level;
+
+    use super::*;
+
+    kernels!(
+        /// What every x86-64 has.
+        Sse2,
+        "sse2",
+        vantage_core::kernels::x86::only_sse2
+    );
+    kernels!(
+        /// Vectors of 256 bits.
+        Avx2,
+        "avx2",
+        vantage_core::kernels::x86::up_to_avx2,
+        Level::here() >= Level::Avx2
+    );
+    kernels!(
+        /// These with `vpdpwssd`.
+        Vnni,
+        "avx-512 vnni",
+        vantage_core::kernels::x86,
+        Level::here() >= Level::Vnni
+    );
+}
+
+#[cfg(all(feature = "arch", target_arch = "x86_64"))]
+pub use x86::{Avx2, Sse2, Vnni};

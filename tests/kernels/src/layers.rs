@@ -1,7 +1,7 @@
 //! Layers whose cost is counted: those of KERNELS and the network's own.
 
 use vantage_core::kernels::{Addition, Grid, Linear, Order, Rows};
-use vantage_core::soarnet::Dimensions;
+use vantage_core::soarnet::{Dimensions, INPUT};
 
 use crate::Kernels;
 use crate::chance::{Chance, Extreme, Owned};
@@ -206,6 +206,15 @@ impl Bench {
     pub fn digest(&self, layer: &Layer) -> u32 {
         digest(self.output.iter().take(layer.outputs()))
     }
+}
+
+/// The picture that whole encodings are counted and timed on, shape (64, 64, 3).
+pub fn picture() -> [u8; INPUT] {
+    let mut bytes = [0; INPUT];
+    for (index, byte) in bytes.iter_mut().enumerate() {
+        *byte = ((index * 31) >> 4) as u8;
+    }
+    bytes
 }
 
 /// A short number that stands for many: FNV-1a.

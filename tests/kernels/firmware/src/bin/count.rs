@@ -14,7 +14,7 @@ mod bare {
     use cortex_m_rt::entry;
     use kernel_firmware::{Text, exit};
     use kernel_suite::backends::{Chosen, Scalar};
-    use kernel_suite::layers::{ANCHORS, Bench, ENCODER, digest, encoder_products};
+    use kernel_suite::layers::{ANCHORS, Bench, ENCODER, digest, encoder_products, picture};
     use vantage_core::soarnet::{Aligned, INPUT, Image, Model, Pixels, SIDE, Scratch};
 
     const PER_TICK: u32 = 40;
@@ -64,10 +64,7 @@ mod bare {
     /// The shipped network: from a picture to its embedding and sketch, and the part of it that only
     /// brings the picture to the network's size.
     fn count_photo(text: &mut Text, timer: &mut SYST) -> bool {
-        let mut bytes = [0; INPUT];
-        for (index, byte) in bytes.iter_mut().enumerate() {
-            *byte = ((index * 31) >> 4) as u8;
-        }
+        let bytes = picture();
         let side = SIDE as u32;
         let (Ok(model), Ok(image)) =
             (Model::parse(&FILE.0), Image::try_new(side, side, Pixels::Rgb888, &bytes))
