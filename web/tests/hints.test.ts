@@ -66,8 +66,9 @@ describe("the auto-shutter", () => {
     expect(shutter.feed(true, 7, STEADY_MS - 1)).toBe(false);
     expect(shutter.feed(true, 7, STEADY_MS)).toBe(true);
     expect(shutter.feed(true, 7, 3 * STEADY_MS)).toBe(false);
-    shutter.feed(true, 8, 3 * STEADY_MS);
-    expect(shutter.feed(true, 8, 4 * STEADY_MS)).toBe(true);
+    expect(shutter.feed(true, 7, 5 * STEADY_MS)).toBe(false);
+    shutter.feed(true, 8, 6 * STEADY_MS);
+    expect(shutter.feed(true, 8, 7 * STEADY_MS)).toBe(true);
   });
 
   it("begins anew after a shake, and tries a failed shot again", () => {

@@ -27,6 +27,14 @@ describe("the journal", () => {
     expect((await new Journal(store).read())?.record.name).toBe("three");
   });
 
+  it("does not believe an entry of which a letter has changed", async () => {
+    const store = new Memory();
+    await new Journal(store).write({ record: record("mine"), snapshot: new Uint8Array() });
+    const text = await ((await store.get("journal-b")) ?? new Blob()).text();
+    await store.put("journal-b", new TextEncoder().encode(text.replace("mine", "mint")));
+    expect(await new Journal(store).read()).toBeNull();
+  });
+
   it("is empty where nothing was written", async () => {
     expect(await new Journal(new Memory()).read()).toBeNull();
   });
