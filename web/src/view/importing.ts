@@ -48,11 +48,14 @@ function scene(report: ImportReport): Parameters<typeof turnableDome>[0] {
   };
 }
 
+/** Photos that could not be used, so many by name. */
+const LISTED = 6;
+
 function troubles({ skipped, notes }: ImportReport): TemplateResult | typeof nothing {
   if (skipped.length === 0 && notes.length === 0) return nothing;
   return html`<details ?open=${skipped.length > 0}>
     <summary>${skipped.length > 0 ? `${skipped.length} photo${skipped.length === 1 ? "" : "s"} could not be used` : "Notes"}</summary>
-    <ul>${skipped.map(({ path, why }) => html`<li><code>${path}</code>: ${why}</li>`)}${notes.map((note) => html`<li>${note}</li>`)}</ul>
+    <ul>${skipped.slice(0, LISTED).map(({ path, why }) => html`<li><code>${path}</code>: ${why}</li>`)}${skipped.length > LISTED ? html`<li>and ${skipped.length - LISTED} more</li>` : nothing}${notes.map((note) => html`<li>${note}</li>`)}</ul>
   </details>`;
 }
 
