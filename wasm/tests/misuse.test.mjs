@@ -127,7 +127,7 @@ test("memory is given back", async () => {
   };
   for (let turn = 0; turn < 20; turn++) use();
   const before = memory.buffer.byteLength;
-  for (let turn = 0; turn < 200; turn++) use();
+  for (let turn = 0; turn < 60; turn++) use();
   equal(memory.buffer.byteLength, before);
 });
 
