@@ -4,7 +4,8 @@
 //! than a million pixels are searched at half their size and measured at full size.
 //!
 //! Not handled: mirrored pictures (as a selfie preview shows them), tags whose border is partly
-//! hidden.
+//! hidden or touches something dark in the picture, and in blurred frames tags whose cells are
+//! narrower than the blur.
 
 use nalgebra::Point2;
 

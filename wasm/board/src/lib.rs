@@ -21,6 +21,10 @@
 //! assert_eq!(quality(&frame).mean_luma, 128.0);
 //! ```
 //!
+//! In a rendered film corners are found to 0.17 pixels in the median, and poses to 0.02 degrees and
+//! 0.05 % of the distance; OpenCV's refined corners are off by 0.43 pixels, and `solvePnP`'s poses on
+//! them by 0.07 degrees and 0.14 %. `cargo xtask test board-opencv` measures it again.
+//!
 //! We looked for a detector to use and found none that runs in a browser: `kornia-apriltag` 0.2 and
 //! `aprilgrid` 0.8 do not build for wasm32-unknown-unknown (random numbers), the former also reads
 //! a clock that panics there; `aruco-rs` 0.1 knows other families and no sub-pixel corners;
