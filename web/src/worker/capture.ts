@@ -103,6 +103,14 @@ export class Capture {
     const { record, session, store } = this;
     const { faces, format } = shot;
     const lens = shot.lens ?? record.lens;
+    const { width, height } = record.lens;
+    // Trainers take one camera for the whole folder.
+    if (record.photos.length > 0 && (picture.width !== width || picture.height !== height)) {
+      throw new Error(
+        `The photo was not kept: it is ${picture.width} × ${picture.height} where the others are ${width} × ${height}. ` +
+          "Hold the camera upright or sideways as before.",
+      );
+    }
     const small = pictures.pixelsOf(picture);
     const window = cut(small, resized(lens, small.width, small.height), shot.pose, record.layout);
     const encoded = await pictures.encode(picture, format);
