@@ -24,6 +24,7 @@ use crate::pose::Pose;
 
 /// The shape of a view space. Elevations are radians above the horizontal plane through the target.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum ViewSpace {
     /// Directions drawn evenly from the whole sphere; a longer pool starts with the shorter one.
     RandomSphere {
@@ -61,6 +62,7 @@ pub enum ViewSpace {
 
 /// Why numbers do not make a pool.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum PoolError {
     /// A pool needs at least one view.
     Empty,

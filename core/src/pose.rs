@@ -29,6 +29,7 @@ pub struct Pose {
 
 /// Why numbers do not make a pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum PoseError {
     /// A coordinate is NaN or infinite.
     NotFinite,

@@ -2,13 +2,13 @@
 
 use core::fmt;
 
-use serde::{Serialize, de::DeserializeOwned};
+use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
 /// The version of snapshots that is written, and the only one that is read.
 pub const VERSION: u16 = 1;
 
 /// Why a snapshot cannot be written or read.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum SnapshotError {
     /// The buffer is too small for the session.
     NoRoom,

@@ -124,6 +124,13 @@ pub struct Fixed<const CANDIDATES: usize, const VIEWS: usize> {
     views: Vec<View, VIEWS>,
 }
 
+impl<const CANDIDATES: usize, const VIEWS: usize> Fixed<CANDIDATES, VIEWS> {
+    /// Empty memory, for a `static`.
+    pub const fn new() -> Self {
+        Self { candidates: Vec::new(), views: Vec::new() }
+    }
+}
+
 impl<const CANDIDATES: usize, const VIEWS: usize> Memory for Fixed<CANDIDATES, VIEWS> {
     fn candidates(&self) -> &[Candidate] {
         &self.candidates

@@ -17,5 +17,5 @@ pub use plan::{ENSEMBLE, Phase, Plan, PlanError, Scheme, Start, Stop};
 pub use scorer::{Blind, Scorer};
 pub use session::{Finish, NextView, ObserveError, Reason, Session, SessionError};
 #[cfg(feature = "serde")]
-pub use snapshot::Persist;
+pub use snapshot::{Contents, Persist};
 pub use tour::shortest_tour;

@@ -89,6 +89,7 @@ pub struct Plan {
 
 /// Why a plan cannot be carried out.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum PlanError {
     /// No views are asked for.
     ZeroBudget,
@@ -218,6 +219,11 @@ impl Plan {
     /// How many views are asked for.
     pub fn budget(&self) -> usize {
         self.budget
+    }
+
+    /// The centre of the views, metres.
+    pub fn centre(&self) -> Vec3 {
+        self.centre
     }
 
     /// The scheme.

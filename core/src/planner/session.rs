@@ -43,6 +43,7 @@ pub struct Session<S, M> {
 
 /// The next view, and why.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct NextView {
     /// Its index among the candidates.
     pub index: usize,
@@ -60,6 +61,7 @@ pub struct NextView {
 
 /// Why a view was chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Reason {
     /// One of the first views.
     Start,
@@ -90,6 +92,7 @@ impl fmt::Display for Reason {
 
 /// Why there is no next view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Finish {
     /// As many views as asked for have been taken.
     BudgetSpent,
@@ -101,6 +104,7 @@ pub enum Finish {
 
 /// What a session refuses. Nothing has changed where it does.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum SessionError {
     /// The plan cannot be carried out.
     Plan(PlanError),

@@ -159,6 +159,54 @@ impl<S: Persist, M: Memory> Session<S, M> {
     }
 }
 
+/// What a snapshot holds, for the scorer that [`Session::restore`] needs.
+///
+/// ```
+/// # use vantage_core::planner::{Blind, Contents, Fixed, Plan, Session};
+/// # use vantage_core::{Pose, Vec3};
+/// # let pose = Pose::looking_at(Vec3::X, Vec3::ZERO)?;
+/// # let session = Session::try_new(Fixed::<4, 4>::default(), [pose], Blind, Plan::random(1))?;
+/// let mut bytes = [0; 128];
+/// let used = session.snapshot(&mut bytes)?;
+/// let contents = Contents::parse(&bytes[..used])?;
+/// assert_eq!(contents.plan().centre(), Vec3::ZERO);
+/// assert!(contents.candidates().eq([pose]));
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct Contents<'a> {
+    plan: Plan,
+    scorer: u32,
+    candidates: usize,
+    records: &'a [u8], // of the candidates and what follows
+}
+
+impl<'a> Contents<'a> {
+    /// Checks the frame and the first record; what follows is checked by [`Session::restore`].
+    pub fn parse(bytes: &'a [u8]) -> Result<Self, SnapshotError> {
+        let mut source = Source { rest: payload(bytes)? };
+        let Head { plan, scorer, candidates, .. } = source.take()?;
+        Ok(Self { plan, scorer, candidates, records: source.rest })
+    }
+
+    /// The plan that was being carried out.
+    pub fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// The scorer's [`Persist::fingerprint`].
+    pub fn fingerprint(&self) -> u32 {
+        self.scorer
+    }
+
+    /// The candidates' poses, in order; fewer where the records are malformed.
+    pub fn candidates(&self) -> impl Iterator<Item = Pose> + use<'a> {
+        let mut source = Source { rest: self.records };
+        (0..self.candidates)
+            .map_while(move |_| source.take::<(Pose, Status)>().ok().map(|(pose, _)| pose))
+    }
+}
+
 /// The payload, once magic, version, length and checksum are found right.
 fn payload(bytes: &[u8]) -> Result<&[u8], SnapshotError> {
     let (magic, rest) = bytes.split_first_chunk::<4>().ok_or(SnapshotError::Foreign)?;

@@ -45,6 +45,7 @@ pub const LONGEST_WINDOW: u32 = 1 << 15;
 
 /// How a pixel lies in memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Pixels {
     /// Three bytes: red, green, blue.
     Rgb888,
@@ -53,13 +54,17 @@ pub enum Pixels {
     /// The highest bits are repeated below the lowest, so that black is 0 and white 255: five bits `v`
     /// are `v << 3 | v >> 2`, six are `v << 2 | v >> 4`.
     Rgb565,
+    /// One byte of brightness: red, green and blue alike.
+    Luma8,
 }
 
 impl Pixels {
-    const fn bytes(self) -> usize {
+    /// Bytes of a pixel.
+    pub const fn bytes(self) -> usize {
         match self {
             Self::Rgb888 => 3,
             Self::Rgb565 => 2,
+            Self::Luma8 => 1,
         }
     }
 }
@@ -83,6 +88,7 @@ pub struct Window {
 
 /// Why numbers do not make a picture or a window of one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum ImageError {
     /// The picture or the window has no pixels.
     Empty,
@@ -220,6 +226,7 @@ impl<'a> Image<'a> {
                 [red << 3 | red >> 2, green << 2 | green >> 4, blue << 3 | blue >> 2]
                     .map(|colour| colour as u8)
             }
+            Pixels::Luma8 => [self.bytes.get(index).copied().unwrap_or_default(); 3],
         }
     }
 }
@@ -347,6 +354,15 @@ mod tests {
         let expected =
             [[0, 0, 0], [255, 255, 255], [255, 0, 0], [0, 255, 0], [0, 0, 255], [132, 130, 132]];
         assert_eq!(colours, expected);
+    }
+
+    #[test]
+    fn brightness_is_grey_in_all_colours() {
+        let image = Image::try_new(3, 1, Pixels::Luma8, &[0, 77, 255]).unwrap();
+        let colours: Vec<[u8; 3]> = (0..3).map(|x| image.pixel(x, 0)).collect();
+        assert_eq!(colours, [[0; 3], [77; 3], [255; 3]]);
+        let short = ImageError::Length { expected: 3, got: 2 };
+        assert_eq!(Image::try_new(3, 1, Pixels::Luma8, &[0; 2]), Err(short));
     }
 
     #[test]

@@ -177,10 +177,7 @@ pub fn gains(out: &mut dyn Write) -> fmt::Result {
         for (view, (pose, window)) in poses().step_by(9).zip(windows).enumerate() {
             paint(view, &mut picture);
             let pixels = if view == 2 { Pixels::Rgb565 } else { Pixels::Rgb888 };
-            let bytes = match pixels {
-                Pixels::Rgb888 => picture.get(..),
-                Pixels::Rgb565 => picture.get(..WIDTH * HEIGHT * 2),
-            };
+            let bytes = picture.get(..WIDTH * HEIGHT * pixels.bytes());
             let image =
                 Image::try_new(WIDTH as u32, HEIGHT as u32, pixels, bytes.unwrap_or_default())
                     .map_err(|_| fmt::Error)?;
