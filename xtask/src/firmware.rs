@@ -1,6 +1,6 @@
 //! Builds the Cortex-M firmware of `examples/firmware` and runs it in QEMU.
 //!
-//! The machine is `mps2-an386` (Cortex-M4F). Text and exit code come over semihosting, so a
+//! The machines are `mps2-an386` (Cortex-M4F) and `mps2-an500` (Cortex-M7). Text and exit code come over semihosting, so a
 //! firmware that panics, faults or hangs fails like any other program.
 
 use std::fs;
@@ -17,7 +17,13 @@ use crate::workspace::Workspace;
 const LIMIT: Duration = Duration::from_secs(120);
 
 /// The programs of `examples/firmware`.
-const PROGRAMS: &[&str] = &["firmware-same-plan"];
+const PROGRAMS: &[&str] = &["firmware-same-plan", "firmware-sessions"];
+
+/// QEMU's board with a Cortex-M4F.
+pub const CORTEX_M4F: &str = "mps2-an386";
+
+/// QEMU's board with a Cortex-M7.
+pub const CORTEX_M7: &str = "mps2-an500";
 
 /// Builds every program; returns the folder they lie in.
 pub fn build(workspace: &Workspace) -> Result<PathBuf> {
@@ -27,9 +33,9 @@ pub fn build(workspace: &Workspace) -> Result<PathBuf> {
 }
 
 /// Runs one program and returns what it wrote; a failing exit code is an error.
-pub fn run(workspace: &Workspace, program: &Path) -> Result<String> {
+pub fn run_on(workspace: &Workspace, machine: &str, program: &Path) -> Result<String> {
     let mut qemu = command::new(&workspace.root, "qemu-system-arm");
-    qemu.args(["-M", "mps2-an386", "-nographic", "-monitor", "none", "-serial", "none"]);
+    qemu.args(["-M", machine, "-nographic", "-monitor", "none", "-serial", "none"]);
     qemu.args(["-semihosting-config", "enable=on,target=native", "-kernel"]).arg(program);
     command::capture_within(&mut qemu, LIMIT)
 }
@@ -39,7 +45,7 @@ pub fn run_all(workspace: &Workspace) -> Result<()> {
     let folder = build(workspace)?;
     for program in PROGRAMS {
         let path = folder.join(program);
-        let text = run(workspace, &path)?;
+        let text = run_on(workspace, CORTEX_M4F, &path)?;
         print!("{text}");
         let size = Size::of_elf(&fs::read(&path)?)
             .with_context(|| format!("{program} is not a 32-bit little-endian ELF file"))?;

@@ -32,7 +32,8 @@ Developer tasks of Vantage. Usage: cargo xtask <task>
                                    --quick leaves out the slow ones, --list only names them
   setup                            obtain what the tasks need: Rust targets and components, QEMU,
                                    Node; says in one message what is still missing
-  golden                           record the scene of tests/same-plan anew and rewrite its text
+  golden                           record the scene of tests/same-plan and the captures of
+                                   tests/sessions anew and rewrite their texts
   firmware                         build the Cortex-M firmware and run it in QEMU
   wasm                             build the WebAssembly package into web/src/wasm
   serve [PORT]                     build the page and serve it on 127.0.0.1 (default port 8080)

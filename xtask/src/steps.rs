@@ -3,6 +3,8 @@
 use anyhow::Result;
 
 use crate::command;
+use crate::firmware::{CORTEX_M4F, CORTEX_M7};
+use crate::same_plan::{PLANS, SESSIONS};
 use crate::setup::Need;
 use crate::test::Outcome;
 use crate::toolchain::Target;
@@ -93,21 +95,51 @@ pub const STEPS: &[Step] = &[
         about: "the host's release build writes the committed plans",
         slow: false,
         needs: &[],
-        run: |workspace| same_plan::on_host(workspace).map(Outcome::passed),
+        run: |workspace| PLANS.on_host(workspace).map(Outcome::passed),
     },
     Step {
         name: "same-plan-wasm32",
         about: "WebAssembly in Node writes the committed plans",
         slow: false,
         needs: &[Need::Wasm32, Need::Node],
-        run: |workspace| same_plan::on_wasm32(workspace).map(Outcome::passed),
+        run: |workspace| PLANS.on_wasm32(workspace).map(Outcome::passed),
     },
     Step {
         name: "same-plan-thumbv7em",
         about: "a Cortex-M4F in QEMU writes the committed plans",
         slow: false,
         needs: &[Need::Thumbv7em, Need::Qemu],
-        run: |workspace| same_plan::on_thumbv7em(workspace).map(Outcome::passed),
+        run: |workspace| PLANS.on_cortex_m(workspace, &[CORTEX_M4F]).map(Outcome::passed),
+    },
+    Step {
+        name: "sessions-recordings",
+        about: "the recorded captures are what their generator writes",
+        slow: true,
+        needs: &[],
+        run: |workspace| same_plan::recordings(workspace).map(Outcome::passed),
+    },
+    Step {
+        name: "sessions-host",
+        about: "the host's release build replays the captures to the committed text",
+        slow: false,
+        needs: &[],
+        run: |workspace| SESSIONS.on_host(workspace).map(Outcome::passed),
+    },
+    Step {
+        name: "sessions-wasm32",
+        about: "WebAssembly in Node does the same",
+        slow: false,
+        needs: &[Need::Wasm32, Need::Node],
+        run: |workspace| SESSIONS.on_wasm32(workspace).map(Outcome::passed),
+    },
+    Step {
+        name: "sessions-cortex-m",
+        about: "a Cortex-M4F and a Cortex-M7 in QEMU do the same",
+        slow: false,
+        needs: &[Need::Thumbv7em, Need::Qemu],
+        run: |workspace| {
+            SESSIONS.on_cortex_m(workspace, &[CORTEX_M4F, CORTEX_M7]).map(Outcome::passed)
+        },
     },
     Step {
         name: "cli",
