@@ -193,7 +193,7 @@ impl<L: Line> Client<L> {
     }
 
     /// Where to stand next.
-    pub fn next(&mut self) -> Result<Next, ClientError<L::Error>> {
+    pub fn next_view(&mut self) -> Result<Next, ClientError<L::Error>> {
         self.ask(&Command::Next, |answer| match answer {
             Answer::Next(next) => Some(*next),
             _ => None,

@@ -77,7 +77,7 @@
 //! let space = ViewSpace::FibonacciSphere;
 //! let candidates = Candidates::Pool { space, count: 20, radius_m: 3.0, target: [0.0; 3] };
 //! client.open(7, Plan::ensemble(5), candidates)?;
-//! while let Next::View(next) = client.next()? {
+//! while let Next::View(next) = client.next_view()? {
 //!     client.observe(Some(next.index), &next.pose, None)?; // this network looks at poses alone
 //! }
 //! assert_eq!(client.status()?.session.map(|session| session.views), Some(5));
