@@ -4,6 +4,7 @@ mod cli;
 mod command;
 mod core_rules;
 mod firmware;
+mod guidance;
 mod models;
 mod readers;
 mod same_plan;
@@ -34,7 +35,9 @@ Developer tasks of Vantage. Usage: cargo xtask <task>
                                    Node; says in one message what is still missing
   golden                           record the scene of tests/same-plan and the captures of
                                    tests/sessions anew and rewrite their texts
-  firmware                         build the Cortex-M firmware and run it in QEMU
+  firmware [--json]                run the guidance of recorded captures, and a device behind a serial
+                                   port, on a Cortex-M4F and a Cortex-M7 in QEMU; the plans, which
+                                   must be this computer's, and what a step costs in instructions
   wasm                             build the WebAssembly package into web/src/wasm
   serve [PORT]                     build the page and serve it on 127.0.0.1 (default port 8080)
   models [--real DIR]              train the shipped networks again from nothing, under three hours on
@@ -66,7 +69,7 @@ fn run(arguments: &[String]) -> Result<ExitCode> {
         print!("{HELP}");
         return Ok(ExitCode::SUCCESS);
     }
-    if !rest.is_empty() && !matches!(task, "test" | "serve" | "models") {
+    if !rest.is_empty() && !matches!(task, "test" | "serve" | "models" | "firmware") {
         bail!("`{task}` takes no arguments, but got `{}`; see `cargo xtask help`", rest.join(" "));
     }
     let workspace = Workspace::find()?;
@@ -82,7 +85,7 @@ fn run(arguments: &[String]) -> Result<ExitCode> {
         "golden" => same_plan::write_golden(&workspace)?,
         "firmware" => {
             require(&workspace, &[Need::Thumbv7em, Need::Qemu])?;
-            firmware::run_all(&workspace)?;
+            guidance::task(&workspace, rest)?;
         }
         "wasm" => {
             require(&workspace, &[Need::Wasm32])?;

@@ -172,7 +172,7 @@ fn compare(workspace: &Workspace, file: &str, written: &str) -> Result<()> {
 }
 
 /// The first line in which two texts differ, with the section it is in; `None` if equal.
-fn first_difference(written: &str, committed: &str) -> Option<String> {
+pub fn first_difference(written: &str, committed: &str) -> Option<String> {
     if written == committed {
         return None;
     }

@@ -18,6 +18,10 @@ pub enum Need {
     Wasm32,
     /// The thumbv7em core library.
     Thumbv7em,
+    /// The core library of the Cortex-M33.
+    Thumbv8m,
+    /// The core library of 32-bit RISC-V.
+    Riscv32,
     /// The machine that runs the firmware.
     Qemu,
     /// Node, for WebAssembly outside a browser.
@@ -33,11 +37,13 @@ const NODE_FOR_PAGE: (u32, u32) = (20, 19);
 
 impl Need {
     /// Every need, in the order of messages.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 10] = [
         Self::Rustfmt,
         Self::Clippy,
         Self::Wasm32,
         Self::Thumbv7em,
+        Self::Thumbv8m,
+        Self::Riscv32,
         Self::Qemu,
         Self::Node,
         Self::Npm,
@@ -51,6 +57,8 @@ impl Need {
             Self::Clippy => "clippy",
             Self::Wasm32 => "Rust target wasm32-unknown-unknown",
             Self::Thumbv7em => "Rust target thumbv7em-none-eabihf",
+            Self::Thumbv8m => "Rust target thumbv8m.main-none-eabihf",
+            Self::Riscv32 => "Rust target riscv32imac-unknown-none-elf",
             Self::Qemu => "qemu-system-arm",
             Self::Node => "Node (18 or later)",
             Self::Npm => "npm with Node 20.19 or later",
@@ -69,6 +77,14 @@ impl Need {
             }
             Self::Thumbv7em => {
                 "rustup target add thumbv7em-none-eabihf; on Debian without rustup: \
+                 apt-get install rustc-web cargo-web rust-web-src lld"
+            }
+            Self::Thumbv8m => {
+                "rustup target add thumbv8m.main-none-eabihf; on Debian without rustup: \
+                 apt-get install rustc-web cargo-web rust-web-src lld"
+            }
+            Self::Riscv32 => {
+                "rustup target add riscv32imac-unknown-none-elf; on Debian without rustup: \
                  apt-get install rustc-web cargo-web rust-web-src lld"
             }
             Self::Qemu => "apt-get install qemu-system-arm, or your system's QEMU for Arm",
@@ -91,6 +107,8 @@ impl Need {
             Self::Clippy => run_cargo("clippy"),
             Self::Wasm32 => Target::Wasm32.is_available(),
             Self::Thumbv7em => Target::Thumbv7em.is_available(),
+            Self::Thumbv8m => Target::Thumbv8m.is_available(),
+            Self::Riscv32 => Target::Riscv32.is_available(),
             Self::Qemu => run("qemu-system-arm", &["--version"]),
             Self::Node => node_version().is_some_and(|version| version >= (18, 0)),
             Self::Npm => {
@@ -108,6 +126,8 @@ impl Need {
             Self::Clippy => Some(["component", "add", "clippy"]),
             Self::Wasm32 => Some(["target", "add", Target::Wasm32.triple()]),
             Self::Thumbv7em => Some(["target", "add", Target::Thumbv7em.triple()]),
+            Self::Thumbv8m => Some(["target", "add", Target::Thumbv8m.triple()]),
+            Self::Riscv32 => Some(["target", "add", Target::Riscv32.triple()]),
             Self::Qemu | Self::Node | Self::Npm | Self::Python => None,
         }
     }
@@ -116,7 +136,9 @@ impl Need {
     fn debian(self) -> &'static [&'static str] {
         match self {
             Self::Rustfmt | Self::Clippy => &[],
-            Self::Wasm32 | Self::Thumbv7em => toolchain::DEBIAN_PACKAGES,
+            Self::Wasm32 | Self::Thumbv7em | Self::Thumbv8m | Self::Riscv32 => {
+                toolchain::DEBIAN_PACKAGES
+            }
             Self::Qemu => &["qemu-system-arm"],
             Self::Node => &["nodejs"],
             // Debian's npm brings hundreds of packages: not worth it for a Node that is too old.

@@ -9,7 +9,7 @@ use crate::setup::Need;
 use crate::test::Outcome;
 use crate::toolchain::Target;
 use crate::workspace::{Workspace, cargo};
-use crate::{cli, core_rules, readers, same_plan, train, web};
+use crate::{cli, core_rules, guidance, readers, same_plan, train, web};
 
 /// One step of the tests.
 pub struct Step {
@@ -140,6 +140,20 @@ pub const STEPS: &[Step] = &[
         run: |workspace| {
             SESSIONS.on_cortex_m(workspace, &[CORTEX_M4F, CORTEX_M7]).map(Outcome::passed)
         },
+    },
+    Step {
+        name: "firmware",
+        about: "guidance, a device and the count of instructions on a Cortex-M4F and a Cortex-M7",
+        slow: true,
+        needs: &[Need::Thumbv7em, Need::Qemu],
+        run: |workspace| guidance::test(workspace).map(Outcome::passed),
+    },
+    Step {
+        name: "firmware-builds",
+        about: "the firmware builds for a Cortex-M33, as a Pico 2's program, and for RISC-V",
+        slow: true,
+        needs: &[Need::Thumbv8m, Need::Riscv32],
+        run: |workspace| guidance::other_targets(workspace).map(Outcome::passed),
     },
     Step {
         name: "cli",

@@ -40,7 +40,7 @@ mod shutter;
 mod stepper;
 mod turntable;
 
-#[cfg(target_os = "none")]
+#[cfg(all(target_os = "none", any(target_arch = "arm", feature = "pico2")))]
 pub use board::*;
 pub use guide::{Guidance, Outcome, Step, guide};
 pub use led_ring::LedRing;
