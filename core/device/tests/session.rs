@@ -74,6 +74,7 @@ struct World {
     faults: Faults,
     chance: Pcg32,
     passed: u64,        // bytes that reached the device or left it
+    sent: Vec<Vec<u8>>, // every packet of the client
     late: Vec<Vec<u8>>, // packets that will come again
     held: Option<u8>,   // the byte that changes places with the next
 }
@@ -91,6 +92,7 @@ impl World {
             faults,
             chance: Pcg32::new(faults.seed, 1),
             passed: 0,
+            sent: Vec::new(),
             late: Vec::new(),
             held: None,
         };
@@ -169,6 +171,7 @@ impl Line for World {
     type Error = Infallible;
 
     fn send(&mut self, bytes: &[u8]) -> Result<(), Infallible> {
+        self.sent.push(bytes.to_vec());
         self.deliver(bytes);
         if self.happens(self.faults.again) {
             self.deliver(bytes);
@@ -330,18 +333,31 @@ fn must_equal_a_good_line(captured: &Captured, good: &Captured, what: &str) {
     assert_eq!(captured.status.session, good.status.session, "{what}");
 }
 
+/// Resets the device after each of so many first bytes, and after every `step`-th of all that follow.
+fn reset_after(model: &'static [u8], first: u64, step: usize) {
+    let good = over_the_line(model, Faults::default()).unwrap();
+    assert!(good.world.passed > first);
+    for byte in (1..=first).chain((first..=good.world.passed).step_by(step)) {
+        let what = format!("reset after byte {byte}");
+        let faults = Faults { reset: Some(byte), ..Faults::default() };
+        let captured =
+            over_the_line(model, faults).unwrap_or_else(|error| panic!("{what}: {error}"));
+        must_equal_a_good_line(&captured, &good, &what);
+    }
+}
+
 #[test]
 fn a_session_goes_on_after_a_reset_at_any_byte() {
-    for (model, step) in [(POSES, 1), (seeing(), 5)] {
-        let good = over_the_line(model, Faults::default()).unwrap();
-        for byte in (1..=good.world.passed).step_by(step) {
-            let what = format!("reset after byte {byte}");
-            let faults = Faults { reset: Some(byte), ..Faults::default() };
-            let captured =
-                over_the_line(model, faults).unwrap_or_else(|error| panic!("{what}: {error}"));
-            must_equal_a_good_line(&captured, &good, &what);
-        }
-    }
+    // Status, opening, two views and what becomes of them byte by byte; then it begins again.
+    reset_after(POSES, 1000, 19);
+    reset_after(seeing(), 0, 97);
+}
+
+#[test]
+#[ignore = "the same without leaving a byte out takes minutes"]
+fn a_session_goes_on_after_a_reset_at_every_byte() {
+    reset_after(POSES, 1, 1);
+    reset_after(seeing(), 1, 1);
 }
 
 #[test]
@@ -397,22 +413,71 @@ proptest! {
     }
 }
 
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 400, ..ProptestConfig::default() })]
+
+    /// Packets of a real session with other bytes and the right checksum: they may change the session,
+    /// as whoever sends them could, and the device goes on.
+    #[test]
+    fn no_sound_packet_stops_the_device(
+        changes in prop::collection::vec(
+            (any::<prop::sample::Index>(), any::<prop::sample::Index>(), 1u8.., 0usize..3),
+            1..40,
+        ),
+        sees in any::<bool>(),
+    ) {
+        static SENT: [OnceLock<Vec<Vec<u8>>>; 2] = [const { OnceLock::new() }; 2];
+        let model = if sees { seeing() } else { POSES };
+        let sent = SENT[usize::from(sees)].get_or_init(|| {
+            over_the_line(model, Faults::default()).unwrap().world.sent
+        });
+        let mut client = opened(model);
+        for (packet, place, change, cut) in changes {
+            let mut reader = Reader::new();
+            let message = packet.get(sent).iter().find_map(|&byte| match reader.push(byte) {
+                Some(Packet::Message(message)) => Some(message.to_vec()),
+                _ => None,
+            });
+            let mut message = message.unwrap();
+            // Version and id stay; what follows is hit, or cut short.
+            let place = 2 + place.index(message.len() - 2);
+            message[place] ^= change;
+            if cut == 0 {
+                message.truncate(place);
+            }
+            client.line_mut().deliver(&sealed(&message));
+            client.line_mut().back.clear();
+        }
+        let status = client.status().unwrap();
+        prop_assert_eq!(status.line.damaged, 0);
+        if status.session.is_some() {
+            client.next_view().unwrap();
+        }
+        // What is in flash is what is in memory.
+        let before = status.session;
+        client.line_mut().boot();
+        prop_assert_eq!(client.status().unwrap().session, before);
+    }
+}
+
+/// A message as a packet.
+fn sealed(message: &[u8]) -> Vec<u8> {
+    let checksum = frame::CRC.checksum(message).to_le_bytes();
+    let mut packet = vec![0];
+    packet.extend(encode(&[message, &checksum].concat()));
+    packet.push(0);
+    packet
+}
+
 /// Bytes that change no session: noise, and sound packets with messages that are none, ask, are for
 /// another session or another revision.
 fn noise() -> impl Strategy<Value = Vec<u8>> {
-    let sealed = |message: Vec<u8>| {
-        let checksum = frame::CRC.checksum(&message).to_le_bytes();
-        let mut packet = vec![0];
-        packet.extend(encode(&[message.as_slice(), &checksum].concat()));
-        packet.push(0);
-        packet
-    };
     let bytes = || prop::collection::vec(any::<u8>(), 0..120);
     let stale = (any::<u32>(), prop_oneof![Just(4u32), any::<u32>()], any::<u32>(), 0u32..40)
         .prop_filter("not the next change", |(_, session, revision, _)| {
             (*session, *revision) != (4, 1)
         })
-        .prop_map(move |(id, session, revision, index)| {
+        .prop_map(|(id, session, revision, index)| {
             let change = Change::Block(index);
             let command = Command::Change { session, revision, change };
             let mut packet = [0; PACKET];
@@ -420,11 +485,11 @@ fn noise() -> impl Strategy<Value = Vec<u8>> {
         });
     prop_oneof![
         bytes(),
-        bytes().prop_map(sealed),
+        bytes().prop_map(|message| sealed(&message)),
         // Version, id, a command that may be one, and what follows.
         (0u8..6, bytes())
             .prop_map(move |(command, rest)| {
-                sealed([[VERSION, 1, command].as_slice(), &rest].concat())
+                sealed(&[[VERSION, 1, command].as_slice(), &rest].concat())
             })
             .prop_filter("no opening by chance", |packet| packet.len() > 12),
         stale,
@@ -548,7 +613,7 @@ fn bad_input_is_refused_with_its_reason_and_the_session_goes_on() {
     assert_eq!(refused, Refusal::NoDirection { index: 7 });
     let list: Vec<u8> = poses
         .iter()
-        .map(|pose| Posture::from(pose))
+        .map(Posture::from)
         .chain([Posture { rotation: [f32::INFINITY; 4], ..posture }])
         .skip(1)
         .flat_map(Posture::to_bytes)
