@@ -8,12 +8,8 @@
 //! so: [`Refusal::Version`]. Numbers of 8 bits and floats are plain bytes, other integers postcard's
 //! varints. New commands and answers are added at the end; any other change is a new version.
 //!
-//! The request `status` with id 1 and its packet, which `tests/session.rs` compares:
-//!
-//! ```text
-//! 01 01 00                          version 1, id 1, command 0: Status
-//! 00  03 01 01 05 64 82 98 e7  00   the same with its CRC-32, 0xe7988264, as a packet
-//! ```
+//! `PROTOCOL.md` beside this crate is the page for other languages: every number, and examples in
+//! hexadecimal, which `tests/session.rs` compares.
 
 use core::fmt;
 

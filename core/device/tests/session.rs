@@ -731,6 +731,57 @@ fn the_example_in_the_documentation_is_the_request_and_other_versions_are_told()
     assert_eq!(answer, Answer::Refused(Refusal::Version { speaks: VERSION }));
 }
 
+/// The examples of the page, in its order, as bytes.
+fn examples() -> Vec<Vec<u8>> {
+    let page = include_str!("../PROTOCOL.md");
+    let text = page.split("```text").nth(1).unwrap().split("```").next().unwrap();
+    let mut examples: Vec<Vec<u8>> = Vec::new();
+    for line in text.lines().filter(|line| !line.is_empty()) {
+        // Two blanks part the bytes from the words.
+        let bytes = line.trim_start().split("  ").next().unwrap();
+        let bytes = bytes.split(' ').map(|byte| u8::from_str_radix(byte, 16).unwrap());
+        if line.starts_with(' ') {
+            examples.last_mut().unwrap().extend(bytes);
+        } else {
+            examples.push(bytes.collect());
+        }
+    }
+    examples
+}
+
+#[test]
+fn the_examples_of_the_page_are_what_is_written() {
+    let candidates = Candidates::Pool {
+        space: ViewSpace::FibonacciSphere,
+        count: 40,
+        radius_m: 0.5,
+        target: [0.0; 3],
+    };
+    let how = Opening::Plan { plan: Plan::ensemble(12), candidates };
+    let pose = Posture { position: [1.0, 2.0, 3.0], rotation: [0.0, 0.0, 0.0, 1.0] };
+    let transfer = Transfer { length: 8192, checksum: 0x0d71_4033 };
+    let photo = PhotoHead { width: 64, height: 64, pixels: Pixels::Rgb565, transfer };
+    let observe = Change::Observe { candidate: Some(2), pose, photo: Some(photo) };
+    let block = Command::Change { session: 7, revision: 0, change: Change::Block(5) };
+    let requests = [
+        Command::Status,
+        Command::Open { over: 0, session: 7, how },
+        block,
+        Command::Change { session: 7, revision: 1, change: observe },
+    ];
+    let conflict = Refusal::Conflict { session: 7, revision: 2 };
+    let answers = [(3u32, Answer::Done { revision: 1 }), (9, Answer::Refused(conflict))];
+    let mut written = Vec::new();
+    let mut buffer = [0; 600];
+    for (id, command) in (1u32..).zip(requests) {
+        written.push(postcard::to_slice(&(VERSION, id, command), &mut buffer).unwrap().to_vec());
+    }
+    for (id, answer) in answers {
+        written.push(postcard::to_slice(&(VERSION, id, answer), &mut buffer).unwrap().to_vec());
+    }
+    assert_eq!(examples(), written);
+}
+
 #[test]
 fn a_request_that_comes_late_changes_nothing() {
     let mut client = opened(POSES);

@@ -20,11 +20,15 @@ mod bare {
     use vantage_core::Vec3;
     use vantage_core::candidates::{Pool, ViewSpace};
     use vantage_core::planner::{self, Plan, Session};
-    use vantage_core::soarnet::{self, Aligned, Dimensions, Image, Model, Photo, Scratch, SoarNet};
+    use vantage_core::soarnet::{
+        self, Aligned, Dimensions, Image, Model, OUTLOOK, Photo, Scratch, SoarNet, features,
+    };
     use vantage_firmware::{Console, exit};
 
     static MODEL: &Aligned<[u8]> =
         &Aligned(*include_bytes!("../../../../lab/models/soarnet.model"));
+    static POSES: &Aligned<[u8]> =
+        &Aligned(*include_bytes!("../../../../lab/models/soarnet-poses.model"));
 
     const PER_TICK: u64 = 40;
     const PERIOD: u32 = 1 << 24;
@@ -60,7 +64,9 @@ mod bare {
     /// once, then the heads.
     fn score_products(sizes: &Dimensions) -> usize {
         let (h, e, k, g) = (sizes.width, sizes.embedding, sizes.head, sizes.context);
-        let (direction, relation, count, outlook) = (16, 16, 4, 8);
+        let outlook = if e > 0 { OUTLOOK } else { 0 };
+        let (direction, relation, count) =
+            (features::DIRECTION, features::RELATION, features::COUNT);
         let view = (e + direction) * h;
         let token = relation * h + h * h;
         let rank = (2 * h + outlook + direction + count) * k + k * 4;
@@ -99,38 +105,54 @@ mod bare {
             black_box(model.encode(&image, &window, scratch));
         });
 
-        // As in the middle of a capture: the step after eight views.
-        let pool = Pool::try_new(ViewSpace::FibonacciSphere, CANDIDATES, 3.0);
-        let pool = pool.map_err(|_| fmt::Error)?;
-        let scorer = SoarNet::try_new(model, network, Vec3::ZERO, pool.iter());
-        let plan = Plan::ensemble(VIEWS);
-        let mut session =
-            Session::try_new(lists, pool.iter(), scorer.map_err(|_| fmt::Error)?, plan)
-                .map_err(|_| fmt::Error)?;
-        let mut step = 0;
-        let mut choose = 0;
-        for view in 0..9 {
-            let photo = Photo::new(frame(view)?);
-            let (next, chosen) = count(|| session.next_view());
-            let next = next.ok_or(fmt::Error)?;
-            let (observed, taken) = count(|| session.observe(next.index, next.pose, &photo));
-            observed.map_err(|_| fmt::Error)?;
-            (choose, step) = (chosen, taken);
-        }
-        let score = step - encode + empty;
+        let taken = step(model, network, lists, |view| frame(view).map(Photo::new))?;
+        let blind = Model::parse(&POSES.0).map_err(|_| fmt::Error)?;
+        let blind_taken = step(blind, network, lists, |_| Ok(Photo::default()))?;
+        let (scored, chosen) = (taken.observe - encode, taken.choose - empty);
         let products = encoder_products(model.dimensions());
         let scores = score_products(model.dimensions());
+        let blind_scores = score_products(blind.dimensions());
         for (name, products, instructions) in [
             ("encode a photo of 64 x 64", products, encode - empty),
-            ("score 100 candidates", scores, score),
-            ("choose among 100", 0, choose - empty),
-            ("whole step", products + scores, step + choose - 2 * empty),
+            ("score 100 candidates", scores, scored),
+            ("choose among 100", 0, chosen),
+            ("whole step by poses alone", blind_scores, blind_taken.observe - empty + chosen),
+            ("whole step", products + scores, encode - empty + scored + chosen),
         ] {
             writeln!(out, "{name}\t{products}\t{instructions}")?;
         }
         Ok(())
     }
 
+    /// Instructions of the step after eight views, as in the middle of a capture.
+    struct Taken {
+        choose: u64,
+        observe: u64,
+    }
+
+    fn step<'p>(
+        model: Model<'_>,
+        network: &mut soarnet::Fixed<CANDIDATES, VIEWS>,
+        lists: &mut planner::Fixed<CANDIDATES, VIEWS>,
+        photo: impl Fn(usize) -> Result<Photo<'p>, fmt::Error>,
+    ) -> Result<Taken, fmt::Error> {
+        let pool = Pool::try_new(ViewSpace::FibonacciSphere, CANDIDATES, 3.0);
+        let pool = pool.map_err(|_| fmt::Error)?;
+        let scorer = SoarNet::try_new(model, network, Vec3::ZERO, pool.iter());
+        let scorer = scorer.map_err(|_| fmt::Error)?;
+        let mut session = Session::try_new(lists, pool.iter(), scorer, Plan::ensemble(VIEWS))
+            .map_err(|_| fmt::Error)?;
+        let mut last = Taken { choose: 0, observe: 0 };
+        for view in 0..9 {
+            let photo = photo(view)?;
+            let (next, choose) = count(|| session.next_view());
+            let next = next.ok_or(fmt::Error)?;
+            let (observed, observe) = count(|| session.observe(next.index, next.pose, &photo));
+            observed.map_err(|_| fmt::Error)?;
+            last = Taken { choose, observe };
+        }
+        Ok(last)
+    }
     #[entry]
     fn main() -> ! {
         let (Ok(mut console), Some(peripherals)) = (Console::try_new(), Peripherals::take()) else {
