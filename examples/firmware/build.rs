@@ -9,7 +9,12 @@ fn main() {
         return;
     }
     let has = |feature: &str| env::var_os(format!("CARGO_FEATURE_{feature}")).is_some();
-    let board = if has("PICO2") { "boards/pico2.x" } else { "boards/mps2.x" };
+    let target = env::var("TARGET").expect("cargo sets TARGET");
+    let board = match (has("PICO2"), target.starts_with("thumbv8m")) {
+        (true, _) => "boards/pico2.x",
+        (false, true) => "boards/an505.x",
+        (false, false) => "boards/mps2.x",
+    };
     let out = PathBuf::from(env::var_os("OUT_DIR").expect("cargo sets OUT_DIR"));
     fs::copy(board, out.join("memory.x")).expect("the board's memory is copied to OUT_DIR");
     println!("cargo::rustc-link-search={}", out.display());

@@ -22,6 +22,9 @@ pub const CORTEX_M4F: &str = "mps2-an386";
 /// QEMU's board with a Cortex-M7.
 pub const CORTEX_M7: &str = "mps2-an500";
 
+/// QEMU's board with a Cortex-M33.
+pub const CORTEX_M33: &str = "mps2-an505";
+
 /// Builds every program; returns the folder they lie in.
 pub fn build(workspace: &Workspace) -> Result<PathBuf> {
     let (mut build, folder) = Target::Thumbv7em.build(workspace);

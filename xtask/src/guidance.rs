@@ -15,8 +15,8 @@ use anyhow::{Context, Result, bail, ensure};
 use serde_json::{Value, json};
 
 use crate::command;
-use crate::firmware::{self, CORTEX_M4F, CORTEX_M7, Size};
-use crate::same_plan::first_difference;
+use crate::firmware::{self, CORTEX_M4F, CORTEX_M7, CORTEX_M33, Size};
+use crate::same_plan::{PLANS, first_difference};
 use crate::toolchain::Target;
 use crate::workspace::{Workspace, cargo};
 
@@ -67,40 +67,56 @@ pub fn test(workspace: &Workspace) -> Result<()> {
     task(workspace, &[])
 }
 
-/// Builds what is not run: a Cortex-M33 with the program of the Pico 2, and RISC-V.
+/// A Cortex-M33 in QEMU gives the same plans; the program of the Pico 2 and the library for RISC-V
+/// are built.
 pub fn other_targets(workspace: &Workspace) -> Result<()> {
-    for (target, arguments) in [
-        (
-            Target::Thumbv8m,
-            ["--lib", "--bin", "firmware-pico2", "--features", "pico2,defmt"].as_slice(),
-        ),
-        (Target::Riscv32, ["--lib"].as_slice()),
-    ] {
-        let (mut build, folder) = target.build(workspace);
-        build.args(["--package", "vantage-firmware"]).args(arguments);
-        command::run(&mut build)?;
-        if target == Target::Thumbv8m {
-            let Size { flash, ram } = size(&folder.join("firmware-pico2"))?;
-            println!("firmware-pico2: flash {flash} bytes, static RAM {ram} bytes; not run");
+    let programs = ["firmware-guidance", "firmware-same-plan"];
+    let (mut build, folder) = Target::Thumbv8m.build(workspace);
+    build.args(["--package", "vantage-firmware"]);
+    command::run(build.args(programs.iter().flat_map(|program| ["--bin", program])))?;
+    let there = firmware::run_on(workspace, CORTEX_M33, &folder.join("firmware-guidance"))?;
+    must_equal(&there, &plan_here(workspace)?, CORTEX_M33)?;
+    PLANS.compare(
+        workspace,
+        &firmware::run_on(workspace, CORTEX_M33, &folder.join("firmware-same-plan"))?,
+    )?;
+    println!("the same plans on {CORTEX_M33}");
+
+    let (mut build, folder) = Target::Thumbv8m.build(workspace);
+    build.args(["--package", "vantage-firmware", "--bin", "firmware-pico2"]);
+    command::run(build.args(["--features", "pico2,defmt"]))?;
+    let Size { flash, ram } = size(&folder.join("firmware-pico2"))?;
+    println!("firmware-pico2: flash {flash} bytes, static RAM {ram} bytes; not run");
+
+    let (mut build, _) = Target::Riscv32.build(workspace);
+    command::run(build.args(["--package", "vantage-firmware", "--lib"]))
+}
+
+/// What the guidance program writes on this computer.
+fn plan_here(workspace: &Workspace) -> Result<String> {
+    let mut host = command::new(&workspace.root, cargo());
+    host.args(["run", "--quiet", "--release", "--package", "vantage-firmware"]);
+    host.args(["--bin", "firmware-guidance"]);
+    command::capture_within(&mut host, Duration::from_secs(1800))
+}
+
+fn must_equal(there: &str, here: &str, machine: &str) -> Result<()> {
+    match first_difference(there, here) {
+        Some(difference) => {
+            bail!("the plan of {machine} differs from this computer's (committed):\n{difference}")
         }
+        None => Ok(()),
     }
-    Ok(())
 }
 
 fn run(workspace: &Workspace) -> Result<Report> {
     let folder = firmware::build(workspace)?;
-    let mut host = command::new(&workspace.root, cargo());
-    host.args(["run", "--quiet", "--release", "--package", "vantage-firmware"]);
-    host.args(["--bin", "firmware-guidance"]);
-    let plan = command::capture_within(&mut host, Duration::from_secs(1800))?;
-
+    let plan = plan_here(workspace)?;
     let mut counts = Vec::new();
     let mut device = Vec::new();
     for machine in MACHINES {
         let there = firmware::run_on(workspace, machine, &folder.join("firmware-guidance"))?;
-        if let Some(difference) = first_difference(&there, &plan) {
-            bail!("the plan of {machine} differs from this computer's (committed):\n{difference}");
-        }
+        must_equal(&there, &plan, machine)?;
         counts.push(firmware::run_counted(workspace, machine, &folder.join("firmware-speed"))?);
         device.push(format!("{machine}: {}", talk(workspace, machine, &folder)?));
     }

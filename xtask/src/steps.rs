@@ -150,9 +150,9 @@ pub const STEPS: &[Step] = &[
     },
     Step {
         name: "firmware-builds",
-        about: "the firmware builds for a Cortex-M33, as a Pico 2's program, and for RISC-V",
+        about: "a Cortex-M33 gives the same plans; a Pico 2's program and RISC-V build",
         slow: true,
-        needs: &[Need::Thumbv8m, Need::Riscv32],
+        needs: &[Need::Thumbv8m, Need::Riscv32, Need::Qemu],
         run: |workspace| guidance::other_targets(workspace).map(Outcome::passed),
     },
     Step {

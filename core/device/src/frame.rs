@@ -7,10 +7,8 @@
 //! COBS (Cheshire and Baker, 1999) writes the bytes between without a zero, so that whatever was lost
 //! or added, the next zero begins anew. Between two zeros may be nothing.
 
-use cobs::{decode_in_place, max_encoding_length};
+use cobs::{decode_in_place, max_encoding_length, try_encode_including_sentinels};
 use crc::{CRC_32_ISO_HDLC, Crc};
-use postcard::ser_flavors::crc::CrcModifier;
-use postcard::ser_flavors::{Cobs, Slice};
 use serde::Serialize;
 
 /// The checksum of packets and transfers, as of snapshots and model files.
@@ -29,12 +27,12 @@ pub const PACKET: usize = max_encoding_length(MESSAGE + CHECKSUM) + 2;
 
 /// Writes a message as a packet; `None` where it is longer than [`MESSAGE`].
 pub fn write<'b>(message: &impl Serialize, packet: &'b mut [u8; PACKET]) -> Option<&'b [u8]> {
-    let (zero, rest) = packet.split_first_mut()?;
-    *zero = 0;
-    let cobs = Cobs::try_new(Slice::new(rest)).ok()?;
-    let used =
-        postcard::serialize_with_flavor(message, CrcModifier::new(cobs, CRC.digest())).ok()?.len();
-    packet.get(..=used)
+    let mut plain = [0; MESSAGE + CHECKSUM];
+    let length = postcard::to_slice(message, plain.get_mut(..MESSAGE)?).ok()?.len();
+    let (written, rest) = plain.split_at_mut_checked(length)?;
+    *rest.first_chunk_mut::<CHECKSUM>()? = CRC.checksum(written).to_le_bytes();
+    let used = try_encode_including_sentinels(plain.get(..length + CHECKSUM)?, packet).ok()?;
+    packet.get(..used)
 }
 
 /// What comes of a byte that ends a packet.
