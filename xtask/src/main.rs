@@ -1,5 +1,6 @@
 //! Developer tasks of Vantage. `cargo xtask help` lists them; users' commands are `cargo vantage`.
 
+mod c;
 mod cli;
 mod command;
 mod core_rules;
@@ -38,6 +39,7 @@ Developer tasks of Vantage. Usage: cargo xtask <task>
   firmware [--json]                run the guidance of recorded captures, and a device behind a serial
                                    port, on a Cortex-M4F and a Cortex-M7 in QEMU; the plans, which
                                    must be this computer's, and what a step costs in instructions
+  header                           rewrite core/c/include/vantage.h from its sources
   wasm                             build the WebAssembly package into web/src/wasm
   serve [PORT]                     build the page and serve it on 127.0.0.1 (default port 8080)
   models [--real DIR]              train the shipped networks again from nothing, under three hours on
@@ -87,6 +89,7 @@ fn run(arguments: &[String]) -> Result<ExitCode> {
             require(&workspace, &[Need::Thumbv7em, Need::Qemu])?;
             guidance::task(&workspace, rest)?;
         }
+        "header" => c::write_header(&workspace)?,
         "wasm" => {
             require(&workspace, &[Need::Wasm32])?;
             wasm::build(&workspace)?;

@@ -30,6 +30,10 @@ pub enum Need {
     Npm,
     /// Python with venv, for other people's readers of our files.
     Python,
+    /// A compiler for C.
+    Cc,
+    /// GCC for Cortex-M.
+    ArmGcc,
 }
 
 /// The oldest Node that the page's tools (`web/package.json`, `engines`) accept.
@@ -37,7 +41,7 @@ const NODE_FOR_PAGE: (u32, u32) = (20, 19);
 
 impl Need {
     /// Every need, in the order of messages.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 12] = [
         Self::Rustfmt,
         Self::Clippy,
         Self::Wasm32,
@@ -48,6 +52,8 @@ impl Need {
         Self::Node,
         Self::Npm,
         Self::Python,
+        Self::Cc,
+        Self::ArmGcc,
     ];
 
     /// What it is called in messages.
@@ -63,6 +69,8 @@ impl Need {
             Self::Node => "Node (18 or later)",
             Self::Npm => "npm with Node 20.19 or later",
             Self::Python => "python3 with venv",
+            Self::Cc => "cc",
+            Self::ArmGcc => "arm-none-eabi-gcc",
         }
     }
 
@@ -91,6 +99,8 @@ impl Need {
             Self::Node => "apt-get install nodejs, or an installer from nodejs.org",
             Self::Npm => "an installer from nodejs.org, or your system's Node and npm packages",
             Self::Python => "apt-get install python3 python3-venv",
+            Self::Cc => "apt-get install gcc, or your system's compiler for C",
+            Self::ArmGcc => "apt-get install gcc-arm-none-eabi, or Arm's GNU toolchain",
         }
     }
 
@@ -116,6 +126,8 @@ impl Need {
                     && run("npm", &["--version"])
             }
             Self::Python => run("python3", &["-c", "import venv, ensurepip"]),
+            Self::Cc => run("cc", &["--version"]),
+            Self::ArmGcc => run("arm-none-eabi-gcc", &["--version"]),
         }
     }
 
@@ -128,7 +140,7 @@ impl Need {
             Self::Thumbv7em => Some(["target", "add", Target::Thumbv7em.triple()]),
             Self::Thumbv8m => Some(["target", "add", Target::Thumbv8m.triple()]),
             Self::Riscv32 => Some(["target", "add", Target::Riscv32.triple()]),
-            Self::Qemu | Self::Node | Self::Npm | Self::Python => None,
+            Self::Qemu | Self::Node | Self::Npm | Self::Python | Self::Cc | Self::ArmGcc => None,
         }
     }
 
@@ -145,6 +157,8 @@ impl Need {
             Self::Npm if node_version().is_some_and(|found| found >= NODE_FOR_PAGE) => &["npm"],
             Self::Npm => &[],
             Self::Python => &["python3", "python3-venv"],
+            Self::Cc => &["gcc", "libc6-dev"],
+            Self::ArmGcc => &["gcc-arm-none-eabi"],
         }
     }
 }

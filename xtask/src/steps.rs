@@ -9,7 +9,7 @@ use crate::setup::Need;
 use crate::test::Outcome;
 use crate::toolchain::Target;
 use crate::workspace::{Workspace, cargo};
-use crate::{cli, core_rules, guidance, readers, same_plan, train, web};
+use crate::{c, cli, core_rules, guidance, readers, same_plan, train, web};
 
 /// One step of the tests.
 pub struct Step {
@@ -154,6 +154,27 @@ pub const STEPS: &[Step] = &[
         slow: true,
         needs: &[Need::Thumbv8m, Need::Riscv32, Need::Qemu],
         run: |workspace| guidance::other_targets(workspace).map(Outcome::passed),
+    },
+    Step {
+        name: "c-header",
+        about: "the header for C is what its sources say",
+        slow: true,
+        needs: &[],
+        run: |workspace| c::check_header(workspace).map(Outcome::passed),
+    },
+    Step {
+        name: "c-host",
+        about: "a program in C replays the captures to the committed text",
+        slow: false,
+        needs: &[Need::Cc],
+        run: |workspace| c::on_host(workspace).map(Outcome::passed),
+    },
+    Step {
+        name: "c-cortex-m",
+        about: "the same on a Cortex-M4F and a Cortex-M7 in QEMU, without a way to panic",
+        slow: false,
+        needs: &[Need::Thumbv7em, Need::Qemu, Need::ArmGcc],
+        run: |workspace| c::on_cortex_m(workspace).map(Outcome::passed),
     },
     Step {
         name: "cli",

@@ -65,16 +65,21 @@ impl Target {
     /// `cargo build --release` for this target; add packages and features. Returns the folder where
     /// its programs will lie.
     pub fn build(self, workspace: &Workspace) -> (Command, PathBuf) {
+        self.build_with(workspace, "release")
+    }
+
+    /// The same with another profile than `release`.
+    pub fn build_with(self, workspace: &Workspace, profile: &str) -> (Command, PathBuf) {
         let (mut command, target) = if self.is_installed() {
             (command::new(&workspace.root, cargo()), workspace.target.clone())
         } else {
             (debian_cargo(workspace), workspace.target.join("build-std"))
         };
-        command.args(["build", "--quiet", "--release", "--target", self.triple()]);
+        command.args(["build", "--quiet", "--profile", profile, "--target", self.triple()]);
         if !self.is_installed() {
             command.arg(self.build_std()).arg("--target-dir").arg(&target);
         }
-        (command, target.join(self.triple()).join("release"))
+        (command, target.join(self.triple()).join(profile))
     }
 }
 
