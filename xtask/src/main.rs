@@ -5,6 +5,7 @@ mod cli;
 mod command;
 mod core_rules;
 mod firmware;
+mod footprint;
 mod guidance;
 mod models;
 mod readers;
@@ -39,6 +40,8 @@ Developer tasks of Vantage. Usage: cargo xtask <task>
   firmware [--json]                run the guidance of recorded captures, and a device behind a serial
                                    port, on a Cortex-M4F and a Cortex-M7 in QEMU; the plans, which
                                    must be this computer's, and what a step costs in instructions
+  size [--json]                    what a device needs in flash, RAM and stack, against the budgets
+  panic-free                       show that planning and inference have no way to panic
   header                           rewrite core/c/include/vantage.h from its sources
   wasm                             build the WebAssembly package into web/src/wasm
   serve [PORT]                     build the page and serve it on 127.0.0.1 (default port 8080)
@@ -71,7 +74,7 @@ fn run(arguments: &[String]) -> Result<ExitCode> {
         print!("{HELP}");
         return Ok(ExitCode::SUCCESS);
     }
-    if !rest.is_empty() && !matches!(task, "test" | "serve" | "models" | "firmware") {
+    if !rest.is_empty() && !matches!(task, "test" | "serve" | "models" | "firmware" | "size") {
         bail!("`{task}` takes no arguments, but got `{}`; see `cargo xtask help`", rest.join(" "));
     }
     let workspace = Workspace::find()?;
@@ -88,6 +91,14 @@ fn run(arguments: &[String]) -> Result<ExitCode> {
         "firmware" => {
             require(&workspace, &[Need::Thumbv7em, Need::Qemu])?;
             guidance::task(&workspace, rest)?;
+        }
+        "size" => {
+            require(&workspace, &[Need::Thumbv7em, Need::Qemu])?;
+            footprint::size(&workspace, rest)?;
+        }
+        "panic-free" => {
+            require(&workspace, &[Need::Thumbv7em])?;
+            footprint::panic_free(&workspace)?;
         }
         "header" => c::write_header(&workspace)?,
         "wasm" => {

@@ -9,7 +9,7 @@ use crate::setup::Need;
 use crate::test::Outcome;
 use crate::toolchain::Target;
 use crate::workspace::{Workspace, cargo};
-use crate::{c, cli, core_rules, guidance, readers, same_plan, train, web};
+use crate::{c, cli, core_rules, footprint, guidance, readers, same_plan, train, web};
 
 /// One step of the tests.
 pub struct Step {
@@ -154,6 +154,20 @@ pub const STEPS: &[Step] = &[
         slow: true,
         needs: &[Need::Thumbv8m, Need::Riscv32, Need::Qemu],
         run: |workspace| guidance::other_targets(workspace).map(Outcome::passed),
+    },
+    Step {
+        name: "panic-free",
+        about: "planning, inference and snapshots have no way to panic on a Cortex-M",
+        slow: true,
+        needs: &[Need::Thumbv7em],
+        run: |workspace| footprint::panic_free(workspace).map(Outcome::passed),
+    },
+    Step {
+        name: "size",
+        about: "flash, RAM and stack of a device are within the budgets",
+        slow: true,
+        needs: &[Need::Thumbv7em, Need::Qemu],
+        run: |workspace| footprint::size(workspace, &[]).map(Outcome::passed),
     },
     Step {
         name: "c-header",

@@ -109,7 +109,7 @@ impl Block {
     }
 
     /// Takes `count` places off the front.
-    pub fn take<T>(&mut self, count: usize) -> Result<&'static mut [MaybeUninit<T>], Status> {
+    fn take<T>(&mut self, count: usize) -> Result<&'static mut [MaybeUninit<T>], Status> {
         const { assert!(align_of::<T>() <= VANTAGE_SESSION_ALIGN) };
         let size = padded::<T>(count).ok_or(Status::BadNumber)?;
         if size > self.0.len() {
@@ -131,10 +131,9 @@ impl Block {
         Ok(unsafe { places.assume_init_mut() })
     }
 
-    /// One value.
-    fn one<T>(&mut self, value: T) -> Result<&'static mut T, Status> {
-        let place = self.take(1)?.first_mut().ok_or(Status::MemoryTooSmall)?;
-        Ok(place.write(value))
+    /// Takes one place off the front.
+    pub fn place<T>(&mut self) -> Result<&'static mut MaybeUninit<T>, Status> {
+        self.take(1)?.first_mut().ok_or(Status::MemoryTooSmall)
     }
 }
 
@@ -212,8 +211,8 @@ pub fn deal(block: &mut Block, room: Room) -> Result<(SessionLists, NetworkLists
         embeddings: block.filled(values(views, embedding)?, 0)?,
         sketches: block.filled(room.sketches(), [0; SKETCH])?,
         stances: block.filled(views, Stance::default())?,
-        form: block.one(Form::new())?,
-        scratch: block.one(Scratch::new())?,
+        form: block.place()?.write(Form::new()),
+        scratch: block.place()?.write(Scratch::new()),
     };
     Ok((session, NetworkLists(network)))
 }

@@ -6,6 +6,7 @@ use vantage_core::planner::{
     Contents, Finish as CoreFinish, Session as CoreSession, Status as CoreStatus,
 };
 use vantage_core::soarnet::{Model, SoarNet};
+use vantage_core::{Pose as CorePose, Vec3};
 
 use crate::memory::{
     Block, NetworkLists, Room, SessionLists, bytes, bytes_mut, deal, list, padded, reference,
@@ -17,11 +18,15 @@ use crate::types::{CandidateStatus, Finish, Next, Photo, Plan, Pose, Scores};
 /// Stands at the beginning of every session, so that other memory is not taken for one.
 const TAG: u32 = u32::from_le_bytes(*b"VNTG");
 
-/// A capture in progress, in the caller's memory.
+type Scorer = SoarNet<'static, NetworkLists>;
+type Core = CoreSession<&'static mut Scorer, SessionLists>;
+
+/// A capture in progress, in the caller's memory. The scorer lies beside it: it is large, and would else
+/// be copied over the stack on its way into the session.
 #[derive(Debug)]
 pub struct Session {
     tag: u32, // TAG
-    core: CoreSession<SoarNet<'static, NetworkLists>, SessionLists>,
+    core: Core,
 }
 
 /// A session of the caller's.
@@ -37,7 +42,8 @@ unsafe fn session<'a>(session: *mut Session) -> Result<&'a mut Session, Status> 
 
 /// Bytes of a session; `None` where they are more than any memory has.
 fn size(room: Room) -> Option<usize> {
-    padded::<Session>(1)?.checked_add(room.size()?)
+    let objects = padded::<Session>(1)?.checked_add(padded::<Scorer>(1)?)?;
+    objects.checked_add(room.size()?)
 }
 
 /// Says whether bytes are a model that this library can use.
@@ -118,8 +124,8 @@ pub unsafe extern "C" fn vantage_session_new(
             pose.check()?;
         }
         let poses = || candidates.iter().filter_map(|pose| pose.check().ok());
-        let (place, lists, network) = rooms(block, &model, count, views)?;
-        let scorer = SoarNet::try_new(model, network, plan.centre(), poses())?;
+        let Parts { place, scorer, lists } =
+            parts(block, model, count, views, plan.centre(), poses())?;
         *session = put(place, CoreSession::try_new(lists, poses(), scorer, plan)?);
         Ok(())
     })())
@@ -155,9 +161,9 @@ pub unsafe extern "C" fn vantage_session_restore(
         };
         let (model, contents) = (Model::parse(model)?, Contents::parse(snapshot)?);
         let count = contents.candidates().count();
-        let (place, lists, network) = rooms(block, &model, count, views)?;
         let centre = contents.plan().centre();
-        let scorer = SoarNet::try_new(model, network, centre, contents.candidates())?;
+        let Parts { place, scorer, lists } =
+            parts(block, model, count, views, centre, contents.candidates())?;
         *session = put(place, CoreSession::restore(lists, scorer, snapshot)?);
         Ok(())
     })())
@@ -165,23 +171,33 @@ pub unsafe extern "C" fn vantage_session_restore(
 
 type Place = &'static mut MaybeUninit<Session>;
 
-/// Deals a block out to a session and its lists.
-fn rooms(
-    mut block: Block,
-    model: &Model<'_>,
-    candidates: usize,
-    views: u32,
-) -> Result<(Place, SessionLists, NetworkLists), Status> {
-    let place = block.take(1)?.first_mut().ok_or(Status::MemoryTooSmall)?;
-    let room = Room { sizes: *model.dimensions(), candidates, views: views as usize };
-    let (lists, network) = deal(&mut block, room)?;
-    Ok((place, lists, network))
+/// What a session is made of.
+struct Parts {
+    place: Place,
+    scorer: &'static mut Scorer,
+    lists: SessionLists,
 }
 
-fn put(
-    place: Place,
-    core: CoreSession<SoarNet<'static, NetworkLists>, SessionLists>,
-) -> *mut Session {
+/// Deals a block out to a session, its lists and its scorer. Apart from what uses them, so that what it
+/// takes to make a scorer is off the stack by then.
+#[inline(never)]
+fn parts(
+    mut block: Block,
+    model: Model<'static>,
+    candidates: usize,
+    views: u32,
+    centre: Vec3,
+    poses: impl Iterator<Item = CorePose>,
+) -> Result<Parts, Status> {
+    let room = Room { sizes: *model.dimensions(), candidates, views: views as usize };
+    let place = block.place()?;
+    let scorer = block.place()?;
+    let (lists, network) = deal(&mut block, room)?;
+    let scorer = scorer.write(SoarNet::try_new(model, network, centre, poses)?);
+    Ok(Parts { place, scorer, lists })
+}
+
+fn put(place: Place, core: Core) -> *mut Session {
     place.write(Session { tag: TAG, core })
 }
 

@@ -135,9 +135,10 @@ pub struct Recording<'a> {
 }
 
 impl Header {
-    /// Bytes of a frame.
-    fn frame(&self) -> usize {
-        usize::from(self.width) * usize::from(self.height) * self.pixels.bytes()
+    /// Bytes of an entry with its frame; `None` where they are more than any memory has.
+    fn entry(&self) -> Option<usize> {
+        let pixels = usize::from(self.width).checked_mul(self.height.into())?;
+        pixels.checked_mul(self.pixels.bytes())?.checked_add(ENTRY)
     }
 
     /// The plan that was recorded.
@@ -235,19 +236,21 @@ impl<'a> Recording<'a> {
         let (header, entries) =
             bytes.split_first_chunk::<HEADER>().ok_or(RecordingError::Foreign)?;
         let header = Header::from_bytes(header)?;
-        let size = ENTRY + header.frame();
-        let expected = usize::from(header.candidates) * size;
+        let entry = header.entry().ok_or(RecordingError::Malformed)?;
+        let expected = entry.saturating_mul(header.candidates.into());
         if entries.len() != expected {
-            let (expected, got) = (HEADER + expected, bytes.len());
-            return Err(RecordingError::Length { expected, got });
+            let expected = expected.saturating_add(HEADER);
+            return Err(RecordingError::Length { expected, got: bytes.len() });
         }
         if header.plan().is_none() {
             return Err(RecordingError::Malformed);
         }
-        for entry in entries.chunks_exact(size) {
-            Entry::from_bytes(entry)?;
+        let recording = Self { header, entries };
+        let count = usize::from(header.candidates);
+        if (0..count).any(|index| recording.entry(index).is_none()) {
+            return Err(RecordingError::Malformed);
         }
-        Ok(Self { header, entries })
+        Ok(recording)
     }
 
     /// What it says of the whole.
@@ -257,8 +260,9 @@ impl<'a> Recording<'a> {
 
     /// What came of a candidate; `None` where there is no such candidate.
     pub fn entry(&self, index: usize) -> Option<Entry<'a>> {
-        let size = ENTRY + self.header.frame();
-        Entry::from_bytes(self.entries.chunks_exact(size).nth(index)?).ok()
+        let size = self.header.entry()?;
+        let from = index.checked_mul(size)?;
+        Entry::from_bytes(self.entries.get(from..from.checked_add(size)?)?).ok()
     }
 
     /// The candidates, in order.
