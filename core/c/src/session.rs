@@ -21,11 +21,11 @@ const TAG: u32 = u32::from_le_bytes(*b"VNTG");
 type Scorer = SoarNet<'static, NetworkLists>;
 type Core = CoreSession<&'static mut Scorer, SessionLists>;
 
-/// A capture in progress, in the caller's memory. The scorer lies beside it: it is large, and would else
-/// be copied over the stack on its way into the session.
+/// A capture in progress, in the caller's memory.
 #[derive(Debug)]
 pub struct Session {
     tag: u32, // TAG
+    // The scorer lies beside it: it is large, and would else be copied over the stack on its way here.
     core: Core,
 }
 
