@@ -622,7 +622,8 @@ size_t vantage_session_align(void);
 
 /*
  Makes a session in `memory` over `count` candidates, with room for `views` views, and writes where it
- is. The memory belongs to the session until the caller uses it for something else.
+ is. The memory belongs to the session until the caller uses it for something else. The model may lie
+ anywhere; aligned to 4 bytes it is read many times faster.
 
  The caller promises:
  `memory` is null or valid for `size` bytes that nobody else uses while the session is used. `model`

@@ -88,7 +88,8 @@ pub extern "C" fn vantage_session_align() -> usize {
 }
 
 /// Makes a session in `memory` over `count` candidates, with room for `views` views, and writes where it
-/// is. The memory belongs to the session until the caller uses it for something else.
+/// is. The memory belongs to the session until the caller uses it for something else. The model may lie
+/// anywhere; aligned to 4 bytes it is read many times faster.
 ///
 /// # Safety
 ///

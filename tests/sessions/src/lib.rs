@@ -23,13 +23,18 @@ mod replay;
 
 use core::fmt::{self, Write};
 
+use vantage_core::soarnet::Aligned;
+
 pub use recording::{
     ENTRY, Entry, HEADER, Header, Mishap, PIXELS, Recording, RecordingError, SCHEMES, VERSION,
 };
 pub use replay::{CANDIDATES, Memory, VIEWS, replay};
 
-/// The network that comes with the program.
-pub static MODEL: &[u8] = include_bytes!("../../../lab/models/soarnet.model");
+/// The network that comes with the program, where its weights lie best.
+pub static MODEL: &[u8] = {
+    static MODEL: &Aligned<[u8]> = &Aligned(*include_bytes!("../../../lab/models/soarnet.model"));
+    &MODEL.0
+};
 
 /// Every recording with its name.
 pub static SESSIONS: [(&str, &[u8]); 2] = [
