@@ -12,6 +12,7 @@ pub mod network;
 pub mod object;
 pub mod photos;
 pub mod pool;
+pub mod port;
 pub mod record;
 pub mod render;
 pub mod report;

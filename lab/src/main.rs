@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use vantage_lab::commands::{compare, dataset, plan, train};
+use vantage_lab::commands::{compare, dataset, device, plan, train};
 
 /// Plans the next best photo of an object for radiance-field capture
 #[derive(Parser)]
@@ -21,6 +21,8 @@ enum Command {
     Compare(compare::CompareArgs),
     /// Make views of many objects, exactly labelled, to train on
     Dataset(dataset::DatasetArgs),
+    /// Talk to a device that holds a session: a microcontroller behind a serial port
+    Device(device::DeviceArgs),
     /// Train a network on a data set (builds a deep-learning library first: some minutes, once)
     Train(train::NetworkArgs),
     /// Write a trained network as ONNX
@@ -36,6 +38,7 @@ fn main() -> ExitCode {
         Command::Plan(args) => done(plan::run(&args)),
         Command::Compare(args) => done(compare::run(&args)),
         Command::Dataset(args) => done(dataset::run(&args)),
+        Command::Device(args) => done(device::run(&args)),
         Command::Train(args) => train::run("train", &args),
         Command::Export(args) => train::run("export", &args),
         Command::Quantize(args) => train::run("quantize", &args),

@@ -68,6 +68,11 @@ impl Network {
         Model::parse(&self.bytes).context("the model cannot be used")
     }
 
+    /// The checksum of its file.
+    pub fn checksum(&self) -> Result<u32> {
+        Ok(self.model()?.checksum())
+    }
+
     /// Whether it looks at photos, not at poses alone.
     pub fn sees(&self) -> Result<bool> {
         Ok(self.model()?.dimensions().embedding > 0)

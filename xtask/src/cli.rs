@@ -69,6 +69,8 @@ const CHECKS: &[Check] = &[
         call: "compare ball --schemes random,e --budgets 3,6 --seeds 1 --candidates 30",
         expect: Says("random"),
     },
+    Check { call: "device --port {in}/no-port status", expect: Refusal("cannot open the port") },
+    Check { call: "device --port {in}/no-port --patience 0 status", expect: Refusal("give --patience") },
     Check { call: "fly", expect: Refusal("unrecognized subcommand 'fly'") },
     Check { call: "plan --budget 0", expect: Refusal("at least one view") },
     Check { call: "plan --budget 101", expect: Refusal("larger than the 100 candidates") },

@@ -1,13 +1,13 @@
 //! Builds the Cortex-M firmware of `examples/firmware` and runs it in QEMU.
 //!
-//! The machine is `mps2-an386` (Cortex-M4F). Text and exit code come over semihosting, so a
-//! firmware that panics, faults or hangs fails like any other program.
+//! The machines are `mps2-an386` (Cortex-M4F) and `mps2-an500` (Cortex-M7). Text and exit code come
+//! over semihosting, so a firmware that panics, faults or hangs fails like any other program.
 
-use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 use std::time::Duration;
 
-use anyhow::{Context, Result, bail};
+use anyhow::Result;
 
 use crate::command;
 use crate::toolchain::Target;
@@ -16,51 +16,51 @@ use crate::workspace::Workspace;
 /// No firmware of ours runs longer than this, even on a loaded machine.
 const LIMIT: Duration = Duration::from_secs(120);
 
-/// The programs of `examples/firmware`.
-const PROGRAMS: &[&str] = &["firmware-same-plan"];
+/// QEMU's board with a Cortex-M4F.
+pub const CORTEX_M4F: &str = "mps2-an386";
+
+/// QEMU's board with a Cortex-M7.
+pub const CORTEX_M7: &str = "mps2-an500";
+
+/// QEMU's board with a Cortex-M33.
+pub const CORTEX_M33: &str = "mps2-an505";
 
 /// Builds every program; returns the folder they lie in.
 pub fn build(workspace: &Workspace) -> Result<PathBuf> {
     let (mut build, folder) = Target::Thumbv7em.build(workspace);
-    command::run(build.args(["--package", "vantage-firmware"]))?;
+    command::capture(build.args(["--package", "vantage-firmware"]))?;
     Ok(folder)
 }
 
 /// Runs one program and returns what it wrote; a failing exit code is an error.
-pub fn run(workspace: &Workspace, program: &Path) -> Result<String> {
-    let mut qemu = command::new(&workspace.root, "qemu-system-arm");
-    qemu.args(["-M", "mps2-an386", "-nographic", "-monitor", "none", "-serial", "none"]);
-    qemu.args(["-semihosting-config", "enable=on,target=native", "-kernel"]).arg(program);
-    command::capture_within(&mut qemu, LIMIT)
+pub fn run_on(workspace: &Workspace, machine: &str, program: &Path) -> Result<String> {
+    command::capture_within(&mut qemu(workspace, machine, program), LIMIT)
 }
 
-/// Builds and runs every program and shows what it wrote and what it takes in flash and RAM.
-pub fn run_all(workspace: &Workspace) -> Result<()> {
-    let folder = build(workspace)?;
-    for program in PROGRAMS {
-        let path = folder.join(program);
-        let text = run(workspace, &path)?;
-        print!("{text}");
-        let size = Size::of_elf(&fs::read(&path)?)
-            .with_context(|| format!("{program} is not a 32-bit little-endian ELF file"))?;
-        println!("{program}: flash {} bytes, static RAM {} bytes", size.flash, size.ram);
-    }
-    if PROGRAMS.is_empty() {
-        bail!("there is no firmware to run");
-    }
-    Ok(())
+/// The same with an instruction every nanosecond of the machine's time.
+pub fn run_counted(workspace: &Workspace, machine: &str, program: &Path) -> Result<String> {
+    command::capture_within(qemu(workspace, machine, program).args(["-icount", "shift=0"]), LIMIT)
+}
+
+fn qemu(workspace: &Workspace, machine: &str, program: &Path) -> Command {
+    let mut qemu = command::new(&workspace.root, "qemu-system-arm");
+    qemu.args(["-M", machine, "-nographic", "-monitor", "none", "-serial", "none"]);
+    qemu.args(["-semihosting-config", "enable=on,target=native", "-kernel"]).arg(program);
+    qemu
 }
 
 /// What a program occupies, from the loadable segments of its ELF file.
 #[derive(Debug, Default, PartialEq)]
-struct Size {
-    flash: u64, // bytes stored: code, constants, initial values
-    ram: u64,   // bytes of .data and .bss at run time, without the stack
+pub struct Size {
+    /// Bytes stored: code, constants, initial values.
+    pub flash: u64,
+    /// Bytes of .data and .bss at run time, without the stack.
+    pub ram: u64,
 }
 
 impl Size {
     /// `None` where the bytes are no 32-bit little-endian ELF file.
-    fn of_elf(bytes: &[u8]) -> Option<Self> {
+    pub fn of_elf(bytes: &[u8]) -> Option<Self> {
         const RAM: u32 = 0x2000_0000;
         let half = |at: usize| Some(u16::from_le_bytes(bytes.get(at..at + 2)?.try_into().ok()?));
         let word = |at: usize| Some(u32::from_le_bytes(bytes.get(at..at + 4)?.try_into().ok()?));

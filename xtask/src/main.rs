@@ -1,10 +1,13 @@
 //! Developer tasks of Vantage. `cargo xtask help` lists them; users' commands are `cargo vantage`.
 
 mod board;
+mod c;
 mod cli;
 mod command;
 mod core_rules;
 mod firmware;
+mod footprint;
+mod guidance;
 mod models;
 mod readers;
 mod same_plan;
@@ -33,8 +36,14 @@ Developer tasks of Vantage. Usage: cargo xtask <task>
                                    --quick leaves out the slow ones, --list only names them
   setup                            obtain what the tasks need: Rust targets and components, QEMU,
                                    Node, Chromium; says in one message what is still missing
-  golden                           record the scene of tests/same-plan anew and rewrite its text
-  firmware                         build the Cortex-M firmware and run it in QEMU
+  golden                           record the scene of tests/same-plan and the captures of
+                                   tests/sessions anew and rewrite their texts
+  firmware [--json]                run the guidance of recorded captures, and a device behind a serial
+                                   port, on a Cortex-M4F and a Cortex-M7 in QEMU; the plans, which
+                                   must be this computer's, and what a step costs in instructions
+  size [--json]                    what a device needs in flash, RAM and stack, against the budgets
+  panic-free                       show that planning and inference have no way to panic
+  header                           rewrite core/c/include/vantage.h from its sources
   wasm                             build the npm package of WebAssembly into wasm/pkg
   serve [PORT]                     build the page and serve it on localhost (default port 8080)
   models [--real DIR]              train the shipped networks again from nothing, under three hours on
@@ -66,7 +75,7 @@ fn run(arguments: &[String]) -> Result<ExitCode> {
         print!("{HELP}");
         return Ok(ExitCode::SUCCESS);
     }
-    if !rest.is_empty() && !matches!(task, "test" | "serve" | "models") {
+    if !rest.is_empty() && !matches!(task, "test" | "serve" | "models" | "firmware" | "size") {
         bail!("`{task}` takes no arguments, but got `{}`; see `cargo xtask help`", rest.join(" "));
     }
     let workspace = Workspace::find()?;
@@ -82,8 +91,17 @@ fn run(arguments: &[String]) -> Result<ExitCode> {
         "golden" => same_plan::write_golden(&workspace)?,
         "firmware" => {
             require(&workspace, &[Need::Thumbv7em, Need::Qemu])?;
-            firmware::run_all(&workspace)?;
+            guidance::task(&workspace, rest)?;
         }
+        "size" => {
+            require(&workspace, &[Need::Thumbv7em, Need::Qemu])?;
+            footprint::size(&workspace, rest)?;
+        }
+        "panic-free" => {
+            require(&workspace, &[Need::Thumbv7em])?;
+            footprint::panic_free(&workspace)?;
+        }
+        "header" => c::write_header(&workspace)?,
         "wasm" => {
             require(&workspace, &[Need::Wasm32])?;
             wasm::build(&workspace)?;

@@ -1,50 +1,140 @@
-//! Every target writes the text of `tests/same-plan`; all must equal the committed one.
+//! Texts that every target writes, and all must equal the committed one: the plans of
+//! `tests/same-plan` and the recorded captures of `tests/sessions`.
 
 use std::fs;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, bail, ensure};
 
 use crate::command;
 use crate::firmware;
 use crate::toolchain::Target;
 use crate::workspace::{Workspace, cargo};
 
-const GOLDEN: &str = "tests/same-plan/golden/plans.txt";
+/// A text and who writes it.
+pub struct Text {
+    /// What is committed.
+    golden: &'static str,
+    /// The package whose program writes it on the host.
+    host: &'static str,
+    /// The package of the WebAssembly module that writes it, and its file.
+    wasm: (&'static str, &'static str),
+    /// The program of `examples/firmware` that writes it.
+    firmware: &'static str,
+}
+
+/// Plans over made-up scenes and networks.
+pub const PLANS: Text = Text {
+    golden: "tests/same-plan/golden/plans.txt",
+    host: "same-plan",
+    wasm: ("same-plan-wasm", "same_plan_wasm.wasm"),
+    firmware: "firmware-same-plan",
+};
+
+/// Recorded captures with the shipped network.
+pub const SESSIONS: Text = Text {
+    golden: "tests/sessions/golden/sessions.txt",
+    host: "golden-sessions",
+    wasm: ("golden-sessions-wasm", "golden_sessions_wasm.wasm"),
+    firmware: "firmware-sessions",
+};
 
 /// The visibility table that plans are made over: generated Rust, compiled into every target.
 const SCENE: &str = "tests/same-plan/src/scene.rs";
+
+/// Where the recorded captures lie.
+const RECORDINGS: &str = "tests/sessions/golden";
+
+impl Text {
+    /// The release build of the host.
+    pub fn on_host(&self, workspace: &Workspace) -> Result<()> {
+        self.compare(workspace, &self.host_text(workspace)?)
+    }
+
+    /// WebAssembly, in Node.
+    pub fn on_wasm32(&self, workspace: &Workspace) -> Result<()> {
+        let (package, file) = self.wasm;
+        let (mut build, folder) = Target::Wasm32.build(workspace);
+        command::run(build.args(["--package", package]))?;
+        let mut node = command::new(&workspace.root, "node");
+        node.arg("tests/same-plan/run-wasm.mjs").arg(folder.join(file));
+        self.compare(workspace, &command::capture_within(&mut node, Duration::from_secs(120))?)
+    }
+
+    /// The firmware, in QEMU, on each of the machines.
+    pub fn on_cortex_m(&self, workspace: &Workspace, machines: &[&str]) -> Result<()> {
+        let program = firmware::build(workspace)?.join(self.firmware);
+        for machine in machines {
+            print!("{machine}: ");
+            self.compare(workspace, &firmware::run_on(workspace, machine, &program)?)?;
+        }
+        Ok(())
+    }
+
+    /// Compares what was written with the committed text.
+    pub fn compare(&self, workspace: &Workspace, written: &str) -> Result<()> {
+        compare(workspace, self.golden, written)
+    }
+
+    fn host_text(&self, workspace: &Workspace) -> Result<String> {
+        let mut host = command::new(&workspace.root, cargo());
+        host.args(["run", "--quiet", "--release", "--package", self.host]);
+        command::capture_within(&mut host, Duration::from_secs(1800))
+    }
+}
 
 /// The recorded scene is what its generator writes today.
 pub fn scene(workspace: &Workspace) -> Result<()> {
     compare(workspace, SCENE, &scene_text(workspace)?)
 }
 
-/// The release build of the host.
-pub fn on_host(workspace: &Workspace) -> Result<()> {
-    compare(workspace, GOLDEN, &host_text(workspace)?)
+/// The recorded captures are what their generator writes today.
+pub fn recordings(workspace: &Workspace) -> Result<()> {
+    for (name, bytes) in record(workspace)? {
+        let committed = fs::read(workspace.path(RECORDINGS).join(&name))
+            .with_context(|| format!("{RECORDINGS}/{name} is not there"))?;
+        ensure!(
+            bytes == committed,
+            "{RECORDINGS}/{name} differs from what is recorded today; if the change is meant, run \
+             `cargo xtask golden` and commit it"
+        );
+        println!("{name}: {} bytes, as committed", bytes.len());
+    }
+    Ok(())
 }
 
-/// WebAssembly, in Node.
-pub fn on_wasm32(workspace: &Workspace) -> Result<()> {
-    let (mut build, folder) = Target::Wasm32.build(workspace);
-    command::run(build.args(["--package", "same-plan-wasm"]))?;
-    let mut node = command::new(&workspace.root, "node");
-    node.arg("tests/same-plan/run-wasm.mjs").arg(folder.join("same_plan_wasm.wasm"));
-    compare(workspace, GOLDEN, &command::capture_within(&mut node, Duration::from_secs(120))?)
-}
-
-/// The firmware, in QEMU.
-pub fn on_thumbv7em(workspace: &Workspace) -> Result<()> {
-    let folder = firmware::build(workspace)?;
-    compare(workspace, GOLDEN, &firmware::run(workspace, &folder.join("firmware-same-plan"))?)
-}
-
-/// Records the scene anew, then rewrites the committed text from the host's build.
+/// Records scene and captures anew, then rewrites the committed texts from the host's builds.
 pub fn write_golden(workspace: &Workspace) -> Result<()> {
     rewrite(workspace, SCENE, &scene_text(workspace)?)?;
-    rewrite(workspace, GOLDEN, &host_text(workspace)?)
+    for (name, bytes) in record(workspace)? {
+        fs::write(workspace.path(RECORDINGS).join(&name), bytes)
+            .with_context(|| format!("{RECORDINGS}/{name} could not be written"))?;
+    }
+    for text in [PLANS, SESSIONS] {
+        rewrite(workspace, text.golden, &text.host_text(workspace)?)?;
+    }
+    Ok(())
+}
+
+/// The names and bytes of the captures as they are recorded today.
+fn record(workspace: &Workspace) -> Result<Vec<(String, Vec<u8>)>> {
+    let folder = workspace.target.join("xtask/recordings");
+    if folder.exists() {
+        fs::remove_dir_all(&folder)?;
+    }
+    fs::create_dir_all(&folder)?;
+    let mut record = command::new(&workspace.root, cargo());
+    record.args(["run", "--quiet", "--release", "--package", "record-sessions", "--"]).arg(&folder);
+    command::run(&mut record)?;
+    let mut recorded = Vec::new();
+    for file in fs::read_dir(&folder)? {
+        let file = file?;
+        recorded.push((file.file_name().to_string_lossy().into_owned(), fs::read(file.path())?));
+    }
+    recorded.sort();
+    ensure!(!recorded.is_empty(), "record-sessions wrote nothing");
+    Ok(recorded)
 }
 
 fn rewrite(workspace: &Workspace, file: &str, text: &str) -> Result<()> {
@@ -68,12 +158,6 @@ fn scene_text(workspace: &Workspace) -> Result<String> {
     command::capture_within(&mut record, Duration::from_secs(1800))
 }
 
-fn host_text(workspace: &Workspace) -> Result<String> {
-    let mut host = command::new(&workspace.root, cargo());
-    host.args(["run", "--quiet", "--release", "--package", "same-plan"]);
-    command::capture_within(&mut host, Duration::from_secs(1800))
-}
-
 fn compare(workspace: &Workspace, file: &str, written: &str) -> Result<()> {
     let path: PathBuf = workspace.path(file);
     let committed = fs::read_to_string(path).with_context(|| format!("{file} is not there"))?;
@@ -88,7 +172,7 @@ fn compare(workspace: &Workspace, file: &str, written: &str) -> Result<()> {
 }
 
 /// The first line in which two texts differ, with the section it is in; `None` if equal.
-fn first_difference(written: &str, committed: &str) -> Option<String> {
+pub fn first_difference(written: &str, committed: &str) -> Option<String> {
     if written == committed {
         return None;
     }

@@ -18,6 +18,10 @@ pub enum Need {
     Wasm32,
     /// The thumbv7em core library.
     Thumbv7em,
+    /// The core library of the Cortex-M33.
+    Thumbv8m,
+    /// The core library of 32-bit RISC-V.
+    Riscv32,
     /// The machine that runs the firmware.
     Qemu,
     /// Node, for WebAssembly outside a browser.
@@ -28,6 +32,10 @@ pub enum Need {
     Python,
     /// A browser, for the page.
     Chromium,
+    /// A compiler for C.
+    Cc,
+    /// GCC for Cortex-M.
+    ArmGcc,
 }
 
 /// The oldest Node that the page's tools (`web/package.json`, `engines`) accept.
@@ -35,16 +43,20 @@ const NODE_FOR_PAGE: (u32, u32) = (20, 19);
 
 impl Need {
     /// Every need, in the order of messages.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 13] = [
         Self::Rustfmt,
         Self::Clippy,
         Self::Wasm32,
         Self::Thumbv7em,
+        Self::Thumbv8m,
+        Self::Riscv32,
         Self::Qemu,
         Self::Node,
         Self::Npm,
         Self::Python,
         Self::Chromium,
+        Self::Cc,
+        Self::ArmGcc,
     ];
 
     /// What it is called in messages.
@@ -54,11 +66,15 @@ impl Need {
             Self::Clippy => "clippy",
             Self::Wasm32 => "Rust target wasm32-unknown-unknown",
             Self::Thumbv7em => "Rust target thumbv7em-none-eabihf",
+            Self::Thumbv8m => "Rust target thumbv8m.main-none-eabihf",
+            Self::Riscv32 => "Rust target riscv32imac-unknown-none-elf",
             Self::Qemu => "qemu-system-arm",
             Self::Node => "Node (18 or later)",
             Self::Npm => "npm with Node 20.19 or later",
             Self::Python => "python3 with venv",
             Self::Chromium => "Chromium or Chrome",
+            Self::Cc => "cc",
+            Self::ArmGcc => "arm-none-eabi-gcc",
         }
     }
 
@@ -75,11 +91,21 @@ impl Need {
                 "rustup target add thumbv7em-none-eabihf; on Debian without rustup: \
                  apt-get install rustc-web cargo-web rust-web-src lld"
             }
+            Self::Thumbv8m => {
+                "rustup target add thumbv8m.main-none-eabihf; on Debian without rustup: \
+                 apt-get install rustc-web cargo-web rust-web-src lld"
+            }
+            Self::Riscv32 => {
+                "rustup target add riscv32imac-unknown-none-elf; on Debian without rustup: \
+                 apt-get install rustc-web cargo-web rust-web-src lld"
+            }
             Self::Qemu => "apt-get install qemu-system-arm, or your system's QEMU for Arm",
             Self::Node => "apt-get install nodejs, or an installer from nodejs.org",
             Self::Npm => "an installer from nodejs.org, or your system's Node and npm packages",
             Self::Python => "apt-get install python3 python3-venv",
             Self::Chromium => "apt-get install chromium, or an installer from google.com/chrome",
+            Self::Cc => "apt-get install gcc, or your system's compiler for C",
+            Self::ArmGcc => "apt-get install gcc-arm-none-eabi, or Arm's GNU toolchain",
         }
     }
 
@@ -96,6 +122,8 @@ impl Need {
             Self::Clippy => run_cargo("clippy"),
             Self::Wasm32 => Target::Wasm32.is_available(),
             Self::Thumbv7em => Target::Thumbv7em.is_available(),
+            Self::Thumbv8m => Target::Thumbv8m.is_available(),
+            Self::Riscv32 => Target::Riscv32.is_available(),
             Self::Qemu => run("qemu-system-arm", &["--version"]),
             Self::Node => node_version().is_some_and(|version| version >= (18, 0)),
             Self::Npm => {
@@ -104,6 +132,8 @@ impl Need {
             }
             Self::Python => run("python3", &["-c", "import venv, ensurepip"]),
             Self::Chromium => chromium().is_some(),
+            Self::Cc => run("cc", &["--version"]),
+            Self::ArmGcc => run("arm-none-eabi-gcc", &["--version"]),
         }
     }
 
@@ -114,7 +144,10 @@ impl Need {
             Self::Clippy => Some(["component", "add", "clippy"]),
             Self::Wasm32 => Some(["target", "add", Target::Wasm32.triple()]),
             Self::Thumbv7em => Some(["target", "add", Target::Thumbv7em.triple()]),
-            Self::Qemu | Self::Node | Self::Npm | Self::Python | Self::Chromium => None,
+            Self::Thumbv8m => Some(["target", "add", Target::Thumbv8m.triple()]),
+            Self::Riscv32 => Some(["target", "add", Target::Riscv32.triple()]),
+            Self::Qemu | Self::Node | Self::Npm | Self::Python => None,
+            Self::Cc | Self::ArmGcc | Self::Chromium => None,
         }
     }
 
@@ -122,7 +155,9 @@ impl Need {
     fn debian(self) -> &'static [&'static str] {
         match self {
             Self::Rustfmt | Self::Clippy => &[],
-            Self::Wasm32 | Self::Thumbv7em => toolchain::DEBIAN_PACKAGES,
+            Self::Wasm32 | Self::Thumbv7em | Self::Thumbv8m | Self::Riscv32 => {
+                toolchain::DEBIAN_PACKAGES
+            }
             Self::Qemu => &["qemu-system-arm"],
             Self::Node => &["nodejs"],
             // Debian's npm brings hundreds of packages: not worth it for a Node that is too old.
@@ -130,6 +165,8 @@ impl Need {
             Self::Npm => &[],
             Self::Python => &["python3", "python3-venv"],
             Self::Chromium => &["chromium"],
+            Self::Cc => &["gcc", "libc6-dev"],
+            Self::ArmGcc => &["gcc-arm-none-eabi"],
         }
     }
 }

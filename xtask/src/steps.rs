@@ -3,11 +3,13 @@
 use anyhow::Result;
 
 use crate::command;
+use crate::firmware::{CORTEX_M4F, CORTEX_M7};
+use crate::same_plan::{PLANS, SESSIONS};
 use crate::setup::Need;
 use crate::test::Outcome;
 use crate::toolchain::Target;
 use crate::workspace::{Workspace, cargo};
-use crate::{board, cli, core_rules, readers, same_plan, train, wasm, web};
+use crate::{board, c, cli, core_rules, footprint, guidance, readers, same_plan, train, wasm, web};
 
 /// One step of the tests.
 pub struct Step {
@@ -93,21 +95,100 @@ pub const STEPS: &[Step] = &[
         about: "the host's release build writes the committed plans",
         slow: false,
         needs: &[],
-        run: |workspace| same_plan::on_host(workspace).map(Outcome::passed),
+        run: |workspace| PLANS.on_host(workspace).map(Outcome::passed),
     },
     Step {
         name: "same-plan-wasm32",
         about: "WebAssembly in Node writes the committed plans",
         slow: false,
         needs: &[Need::Wasm32, Need::Node],
-        run: |workspace| same_plan::on_wasm32(workspace).map(Outcome::passed),
+        run: |workspace| PLANS.on_wasm32(workspace).map(Outcome::passed),
     },
     Step {
         name: "same-plan-thumbv7em",
         about: "a Cortex-M4F in QEMU writes the committed plans",
         slow: false,
         needs: &[Need::Thumbv7em, Need::Qemu],
-        run: |workspace| same_plan::on_thumbv7em(workspace).map(Outcome::passed),
+        run: |workspace| PLANS.on_cortex_m(workspace, &[CORTEX_M4F]).map(Outcome::passed),
+    },
+    Step {
+        name: "sessions-recordings",
+        about: "the recorded captures are what their generator writes",
+        slow: true,
+        needs: &[],
+        run: |workspace| same_plan::recordings(workspace).map(Outcome::passed),
+    },
+    Step {
+        name: "sessions-host",
+        about: "the host's release build replays the captures to the committed text",
+        slow: false,
+        needs: &[],
+        run: |workspace| SESSIONS.on_host(workspace).map(Outcome::passed),
+    },
+    Step {
+        name: "sessions-wasm32",
+        about: "WebAssembly in Node does the same",
+        slow: false,
+        needs: &[Need::Wasm32, Need::Node],
+        run: |workspace| SESSIONS.on_wasm32(workspace).map(Outcome::passed),
+    },
+    Step {
+        name: "sessions-cortex-m",
+        about: "a Cortex-M4F and a Cortex-M7 in QEMU do the same",
+        slow: false,
+        needs: &[Need::Thumbv7em, Need::Qemu],
+        run: |workspace| {
+            SESSIONS.on_cortex_m(workspace, &[CORTEX_M4F, CORTEX_M7]).map(Outcome::passed)
+        },
+    },
+    Step {
+        name: "firmware",
+        about: "guidance, a device and the count of instructions on a Cortex-M4F and a Cortex-M7",
+        slow: true,
+        needs: &[Need::Thumbv7em, Need::Qemu],
+        run: |workspace| guidance::test(workspace).map(Outcome::passed),
+    },
+    Step {
+        name: "firmware-builds",
+        about: "a Cortex-M33 gives the same plans; a Pico 2's program and RISC-V build",
+        slow: true,
+        needs: &[Need::Thumbv8m, Need::Riscv32, Need::Qemu],
+        run: |workspace| guidance::other_targets(workspace).map(Outcome::passed),
+    },
+    Step {
+        name: "panic-free",
+        about: "planning, inference and snapshots have no way to panic on a Cortex-M",
+        slow: true,
+        needs: &[Need::Thumbv7em],
+        run: |workspace| footprint::panic_free(workspace).map(Outcome::passed),
+    },
+    Step {
+        name: "size",
+        about: "flash, RAM and stack of a device are within the budgets",
+        slow: true,
+        needs: &[Need::Thumbv7em, Need::Qemu],
+        run: |workspace| footprint::size(workspace, &[]).map(Outcome::passed),
+    },
+    Step {
+        name: "c-header",
+        about: "the header for C is what its sources say",
+        slow: true,
+        needs: &[],
+        run: |workspace| c::check_header(workspace).map(Outcome::passed),
+    },
+    Step {
+        name: "c-host",
+        about: "a program in C replays the captures to the committed text",
+        slow: false,
+        needs: &[Need::Cc],
+        run: |workspace| c::on_host(workspace).map(Outcome::passed),
+    },
+    Step {
+        name: "c-cortex-m",
+        about: "the same on a Cortex-M4F and a Cortex-M7 in QEMU, without a way to panic",
+        slow: false,
+        needs: &[Need::Thumbv7em, Need::Qemu, Need::ArmGcc],
+        run: |workspace| c::on_cortex_m(workspace).map(Outcome::passed),
     },
     Step {
         name: "wasm-package",

@@ -19,6 +19,10 @@ pub enum Target {
     Wasm32,
     /// Cortex-M4F and Cortex-M7 without an operating system.
     Thumbv7em,
+    /// Cortex-M33, such as in the RP2350.
+    Thumbv8m,
+    /// RISC-V without floating point, such as the RP2350's other cores.
+    Riscv32,
 }
 
 /// The packages that hold Debian's newest compiler and the sources of its standard library.
@@ -33,6 +37,8 @@ impl Target {
         match self {
             Self::Wasm32 => "wasm32-unknown-unknown",
             Self::Thumbv7em => "thumbv7em-none-eabihf",
+            Self::Thumbv8m => "thumbv8m.main-none-eabihf",
+            Self::Riscv32 => "riscv32imac-unknown-none-elf",
         }
     }
 
@@ -40,7 +46,7 @@ impl Target {
     fn build_std(self) -> &'static str {
         match self {
             Self::Wasm32 => "-Zbuild-std=std,panic_abort",
-            Self::Thumbv7em => "-Zbuild-std=core,alloc",
+            Self::Thumbv7em | Self::Thumbv8m | Self::Riscv32 => "-Zbuild-std=core,alloc",
         }
     }
 
@@ -115,6 +121,7 @@ fn debian_cargo(workspace: &Workspace) -> Command {
     } else {
         cargo.env("CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_LINKER", "wasm-ld");
         cargo.env("CARGO_TARGET_THUMBV7EM_NONE_EABIHF_LINKER", "ld.lld");
+        cargo.env("CARGO_TARGET_THUMBV8M_MAIN_NONE_EABIHF_LINKER", "ld.lld");
     }
     cargo
 }

@@ -117,6 +117,37 @@ pub trait Memory {
     fn clear(&mut self);
 }
 
+/// Lists that lie elsewhere, such as in a `static`, so that a session that moves does not move them.
+impl<M: Memory + ?Sized> Memory for &mut M {
+    fn candidates(&self) -> &[Candidate] {
+        (**self).candidates()
+    }
+
+    fn candidates_mut(&mut self) -> &mut [Candidate] {
+        (**self).candidates_mut()
+    }
+
+    fn push_candidate(&mut self, candidate: Candidate) -> Result<(), Candidate> {
+        (**self).push_candidate(candidate)
+    }
+
+    fn views(&self) -> &[View] {
+        (**self).views()
+    }
+
+    fn push_view(&mut self, view: View) -> Result<(), View> {
+        (**self).push_view(view)
+    }
+
+    fn view_capacity(&self) -> usize {
+        (**self).view_capacity()
+    }
+
+    fn clear(&mut self) {
+        (**self).clear();
+    }
+}
+
 /// Room for a fixed number of candidates and views, without a heap.
 #[derive(Clone, Debug, Default)]
 pub struct Fixed<const CANDIDATES: usize, const VIEWS: usize> {

@@ -49,6 +49,32 @@ pub trait Scorer {
     fn scores(&self) -> Scores;
 }
 
+/// A scorer that lies elsewhere, such as in a `static`, so that a session that moves does not move it.
+impl<S: Scorer + ?Sized> Scorer for &mut S {
+    type Shot<'s> = S::Shot<'s>;
+    type Error = S::Error;
+
+    fn observe(&mut self, pose: &Pose, shot: &Self::Shot<'_>) -> Result<(), Self::Error> {
+        (**self).observe(pose, shot)
+    }
+
+    fn gain(&self, objective: Objective, index: usize, pose: &Pose) -> f32 {
+        (**self).gain(objective, index, pose)
+    }
+
+    fn gains(&self, objective: Objective, candidates: &mut [Candidate]) {
+        (**self).gains(objective, candidates);
+    }
+
+    fn diminishes(&self, objective: Objective) -> bool {
+        (**self).diminishes(objective)
+    }
+
+    fn scores(&self) -> Scores {
+        (**self).scores()
+    }
+}
+
 /// Knows nothing: for schemes that look at poses alone.
 ///
 /// Every gain is 0, so a scheme that asks for one takes the candidates in their order.

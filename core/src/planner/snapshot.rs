@@ -54,6 +54,20 @@ pub trait Persist: Scorer {
     fn load(&mut self, source: &mut Source<'_>) -> Result<(), SnapshotError>;
 }
 
+impl<S: Persist + ?Sized> Persist for &mut S {
+    fn fingerprint(&self) -> u32 {
+        (**self).fingerprint()
+    }
+
+    fn save(&self, sink: &mut Sink<'_>) -> Result<(), SnapshotError> {
+        (**self).save(sink)
+    }
+
+    fn load(&mut self, source: &mut Source<'_>) -> Result<(), SnapshotError> {
+        (**self).load(source)
+    }
+}
+
 impl Persist for Blind {
     fn fingerprint(&self) -> u32 {
         0

@@ -2,6 +2,7 @@
 
 pub mod compare;
 pub mod dataset;
+pub mod device;
 pub mod photos;
 pub mod plan;
 pub mod train;

@@ -1,4 +1,4 @@
-//! Semihosting console, exit code, panic and fault handlers.
+//! QEMU's `mps2` boards: semihosting console, exit code, panic and fault handlers.
 
 use core::fmt::{self, Write};
 use core::panic::PanicInfo;
