@@ -50,11 +50,6 @@ impl Rows {
         self.values.len()
     }
 
-    /// Shape (rows, width).
-    pub fn values(&self) -> &[f32] {
-        &self.values
-    }
-
     /// A row's numbers.
     #[inline]
     pub fn row(&self, row: usize) -> &[f32] {
@@ -71,9 +66,33 @@ impl Rows {
         &mut self.gradient[row * self.width..][..self.width]
     }
 
-    /// The rows touched since the last step, in the order of their first touch.
-    pub fn touched(&self) -> &[u32] {
-        &self.touched
+    /// Draws each touched row of a grid of `nodes` along each axis towards its neighbours: adds the
+    /// gradient of half the squared differences. `strides` are the rows from a node to the next along
+    /// each axis.
+    pub fn draw_together(&mut self, nodes: usize, strides: &[usize], weight: f32) {
+        if weight == 0.0 {
+            return;
+        }
+        let Self { width, values, gradient, touched, .. } = self;
+        let of = |row: usize| &values[row * *width..][..*width];
+        for &row in touched.iter() {
+            let row = row as usize;
+            let slopes = &mut gradient[row * *width..][..*width];
+            let mut draw = |neighbour: usize| {
+                for ((slope, own), other) in slopes.iter_mut().zip(of(row)).zip(of(neighbour)) {
+                    *slope += weight * (own - other);
+                }
+            };
+            for &stride in strides {
+                let at = row / stride % nodes;
+                if at > 0 {
+                    draw(row - stride);
+                }
+                if at + 1 < nodes {
+                    draw(row + stride);
+                }
+            }
+        }
     }
 
     /// A step of all touched rows, after which none is touched.
@@ -113,8 +132,18 @@ mod tests {
         rows.touch(1).copy_from_slice(&[0.3, -40.0]);
         rows.advance(0.1);
         let expected = [1.0, 1.0, 0.9, 1.1, 1.0, 1.0];
-        assert!(rows.values().iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-5));
-        assert!(rows.touched().is_empty());
+        assert!(rows.values.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-5));
+        assert!(rows.touched.is_empty());
+    }
+
+    #[test]
+    fn neighbours_are_drawn_together_on_their_own_line_only() {
+        // Three by three; the last of a row is no neighbour of the next row's first.
+        let mut rows = Rows::new(1, vec![0.0, 0.0, 4.0, 9.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+        rows.touch(2);
+        rows.draw_together(3, &[1, 3], 0.5);
+        assert_eq!(rows.at(2).1, 0.5 * (4.0 + 4.0));
+        assert_eq!(rows.at(3).1, 0.0);
     }
 
     #[test]
@@ -127,6 +156,6 @@ mod tests {
             }
             rows.advance(0.1 * 0.99f32.powi(step));
         }
-        assert!(rows.values().iter().all(|value| (value - 1.0).abs() < 0.01), "{rows:?}");
+        assert!(rows.values.iter().all(|value| (value - 1.0).abs() < 0.01), "{rows:?}");
     }
 }

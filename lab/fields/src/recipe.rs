@@ -147,14 +147,14 @@ impl Recipe {
                 }),
             },
             (Kind::Nerf, Preset::Small) => Self {
-                steps: 700,
+                steps: 1500,
                 rays: 512,
                 samples: 64,
                 last_rate: 0.1,
                 field: FieldConfig::Nerf(nerf::Config {
                     layers: 4,
                     width: 64,
-                    position_frequencies: 5,
+                    position_frequencies: 6,
                     direction_frequencies: 2,
                     rate: 5e-3,
                 }),

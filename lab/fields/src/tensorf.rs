@@ -264,24 +264,6 @@ impl Tensorf {
     }
 }
 
-/// Adds the gradient of the squared differences between each touched node and its four neighbours.
-fn draw_together(rows: &mut Rows, nodes: usize, weight: f32) {
-    for place in 0..rows.touched().len() {
-        let node = rows.touched()[place] as usize;
-        for stride in [1, nodes] {
-            let at = node / stride % nodes;
-            let neighbours =
-                [(at > 0).then(|| node - stride), (at + 1 < nodes).then(|| node + stride)];
-            for neighbour in neighbours.into_iter().flatten() {
-                for value in 0..rows.row(node).len() {
-                    let difference = rows.row(node)[value] - rows.row(neighbour)[value];
-                    rows.touch(node)[value] += weight * difference;
-                }
-            }
-        }
-    }
-}
-
 impl Field for Tensorf {
     fn density(&mut self, points: &[Vec3]) -> Vec<f32> {
         self.points.clear();
@@ -340,10 +322,9 @@ impl Field for Tensorf {
 
     fn advance(&mut self, rate: f32) {
         let Parts { density, colour, basis } = &mut self.parts;
-        if self.config.smoothness > 0.0 {
-            for plane in &mut density.planes {
-                draw_together(plane, density.nodes, self.config.smoothness);
-            }
+        for plane in &mut density.planes {
+            let strides = [1, density.nodes];
+            plane.draw_together(density.nodes, &strides, self.config.smoothness);
         }
         for rows in density.all().chain(colour.all()) {
             rows.advance(rate * self.config.grid_rate);

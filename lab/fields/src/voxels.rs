@@ -121,28 +121,6 @@ impl Voxels {
     }
 }
 
-/// Adds the gradient of the squared differences between each touched node and its six neighbours.
-fn draw_together(rows: &mut Rows, nodes: usize, weight: f32) {
-    if weight == 0.0 {
-        return;
-    }
-    let strides = [1, nodes, nodes * nodes];
-    for place in 0..rows.touched().len() {
-        let node = rows.touched()[place] as usize;
-        for stride in strides {
-            let at = node / stride % nodes;
-            let neighbours =
-                [(at > 0).then(|| node - stride), (at + 1 < nodes).then(|| node + stride)];
-            for neighbour in neighbours.into_iter().flatten() {
-                for value in 0..rows.row(node).len() {
-                    let difference = rows.row(node)[value] - rows.row(neighbour)[value];
-                    rows.touch(node)[value] += weight * difference;
-                }
-            }
-        }
-    }
-}
-
 impl Field for Voxels {
     fn density(&mut self, points: &[Vec3]) -> Vec<f32> {
         self.points.clear();
@@ -184,8 +162,9 @@ impl Field for Voxels {
 
     fn advance(&mut self, rate: f32) {
         let Grid { nodes, density, colour } = &mut self.grid;
-        draw_together(density, *nodes, self.config.density_smoothness);
-        draw_together(colour, *nodes, self.config.colour_smoothness);
+        let strides = [1, *nodes, *nodes * *nodes];
+        density.draw_together(*nodes, &strides, self.config.density_smoothness);
+        colour.draw_together(*nodes, &strides, self.config.colour_smoothness);
         density.advance(rate * self.config.density_rate);
         colour.advance(rate * self.config.colour_rate);
     }
