@@ -54,9 +54,32 @@ impl Occupancy {
         let cell = |at: f32| (((at + 1.0) * 0.5 * SIDE as f32) as usize).min(SIDE - 1);
         self.open[(cell(point.z) * SIDE + cell(point.y)) * SIDE + cell(point.x)]
     }
+}
 
-    /// The share of open cells.
-    pub fn share(&self) -> f32 {
-        self.open.iter().filter(|&&open| open).count() as f32 / self.open.len() as f32
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::voxels::{Config, Voxels};
+
+    #[test]
+    fn fog_is_open_and_what_is_thinner_is_not() {
+        let config = Config {
+            nodes: vec![2],
+            degree: 0,
+            density_rate: 20.0,
+            colour_rate: 0.0,
+            density_smoothness: 0.0,
+            colour_smoothness: 0.0,
+        };
+        let mut field = Voxels::new(config);
+        assert!(Occupancy::of(&mut field, 0.02).open.iter().all(|&open| open));
+        // Adam's first step is as long as the rate: the four lower nodes become empty.
+        let lower = [[-1.0, -1.0], [-1.0, 1.0], [1.0, -1.0], [1.0, 1.0]];
+        field.density(&lower.map(|[x, y]| Vec3::new(x, y, -1.0)));
+        field.accumulate(&[1.0; 4], &[]);
+        field.advance(1.0);
+        let occupancy = Occupancy::of(&mut field, 0.02);
+        assert!(occupancy.is_open(Vec3::new(0.3, -0.4, 0.95)));
+        assert!(!occupancy.is_open(Vec3::new(0.3, -0.4, -0.95)));
     }
 }

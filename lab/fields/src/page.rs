@@ -74,39 +74,70 @@ fn range(values: impl Iterator<Item = f64>) -> std::ops::Range<f64> {
     low - more..high + more
 }
 
+/// The budgets of a summary, ascending; they stand at 0, 1, 2 … on both axes.
+fn budgets_of(summary: &Summary) -> Vec<usize> {
+    let mut budgets: Vec<usize> = summary.rows.iter().map(|row| row.budget).collect();
+    budgets.sort_unstable();
+    budgets.dedup();
+    budgets
+}
+
+type Panel<'a, 'b> = ChartContext<
+    'a,
+    SVGBackend<'b>,
+    Cartesian2d<plotters::coord::types::RangedCoordf64, plotters::coord::types::RangedCoordf64>,
+>;
+
+fn panel<'a, 'b>(
+    area: &Area<'b>,
+    title: &str,
+    budgets: &[usize],
+    values: std::ops::Range<f64>,
+) -> Result<Panel<'a, 'b>, Failure> {
+    let mut chart = ChartBuilder::on(area)
+        .margin(14)
+        .caption(title, (FONT, 15).into_font().color(&INK))
+        .x_label_area_size(34)
+        .y_label_area_size(44)
+        .build_cartesian_2d(-0.5..budgets.len() as f64 - 0.5, values)?;
+    chart
+        .configure_mesh()
+        .disable_x_mesh()
+        .bold_line_style(GRID)
+        .light_line_style(TRANSPARENT)
+        .x_desc("views")
+        .x_labels(2 * budgets.len())
+        .x_label_formatter(&|place| {
+            let is_whole = (place - place.round()).abs() < 0.1;
+            let nearest = budgets.get(place.round().max(0.0) as usize).filter(|_| is_whole);
+            nearest.map_or(String::new(), usize::to_string)
+        })
+        .y_label_formatter(&|value| format!("{value:.1}"))
+        .draw()?;
+    Ok(chart)
+}
+
 fn draw_curves(area: &Area<'_>, summary: &Summary, schemes: &[String]) -> Result<(), Failure> {
-    let budgets = range(summary.rows.iter().map(|row| row.budget as f64));
+    let budgets = budgets_of(summary);
+    let x = |budget: usize| budgets.partition_point(|&less| less < budget) as f64;
     let values = range(summary.rows.iter().flat_map(|row| {
         let [low, high] = row.psnr.interval.unwrap_or([row.psnr.value; 2]);
         [low, high]
     }));
-    let mut chart = ChartBuilder::on(area)
-        .margin(14)
-        .caption("PSNR in dB, mean over objects", (FONT, 15).into_font().color(&INK))
-        .x_label_area_size(34)
-        .y_label_area_size(44)
-        .build_cartesian_2d(budgets, values)?;
-    chart
-        .configure_mesh()
-        .bold_line_style(GRID)
-        .light_line_style(TRANSPARENT)
-        .x_desc("views")
-        .x_label_formatter(&|views| format!("{views:.0}"))
-        .y_label_formatter(&|value| format!("{value:.1}"))
-        .draw()?;
+    let mut chart = panel(area, "PSNR in dB, mean over objects", &budgets, values)?;
     for (place, scheme) in schemes.iter().enumerate() {
         let colour = COLOURS[place % COLOURS.len()];
         let mut rows: Vec<_> = summary.rows.iter().filter(|row| row.scheme == *scheme).collect();
         rows.sort_by_key(|row| row.budget);
         let at = |end: usize| {
-            rows.iter().filter_map(move |row| Some((row.budget as f64, row.psnr.interval?[end])))
+            rows.iter().filter_map(move |row| Some((x(row.budget), row.psnr.interval?[end])))
         };
         let outline: Vec<(f64, f64)> =
             at(0).chain(at(1).collect::<Vec<_>>().into_iter().rev()).collect();
         if outline.len() > 3 {
             chart.draw_series([Polygon::new(outline, colour.mix(0.1).filled())])?;
         }
-        let points: Vec<_> = rows.iter().map(|row| (row.budget as f64, row.psnr.value)).collect();
+        let points: Vec<_> = rows.iter().map(|row| (x(row.budget), row.psnr.value)).collect();
         chart
             .draw_series(LineSeries::new(points.clone(), colour.stroke_width(2)))?
             .label(scheme.clone())
@@ -123,32 +154,10 @@ fn draw_curves(area: &Area<'_>, summary: &Summary, schemes: &[String]) -> Result
 }
 
 fn draw_differences(area: &Area<'_>, summary: &Summary, schemes: &[String]) -> Result<(), Failure> {
-    let mut budgets: Vec<usize> = summary.rows.iter().map(|row| row.budget).collect();
-    budgets.sort_unstable();
-    budgets.dedup();
+    let budgets = budgets_of(summary);
     let rows = || summary.differences.iter().filter(|row| row.minus == "random");
     let values = range(rows().flat_map(|row| row.of_objects.iter().copied()).chain([0.0]));
-    let mut chart = ChartBuilder::on(area)
-        .margin(14)
-        .caption("dB above Random, a dot an object", (FONT, 15).into_font().color(&INK))
-        .x_label_area_size(34)
-        .y_label_area_size(44)
-        .build_cartesian_2d(-0.5..budgets.len() as f64 - 0.5, values)?;
-    chart
-        .configure_mesh()
-        .disable_x_mesh()
-        .bold_line_style(GRID)
-        .light_line_style(TRANSPARENT)
-        .x_desc("views")
-        .x_labels(budgets.len())
-        .x_label_formatter(&|place| {
-            let nearest = budgets.get(place.round().max(0.0) as usize);
-            nearest
-                .filter(|_| (place - place.round()).abs() < 0.1)
-                .map_or(String::new(), usize::to_string)
-        })
-        .y_label_formatter(&|value| format!("{value:.1}"))
-        .draw()?;
+    let mut chart = panel(area, "dB above Random, a dot an object", &budgets, values)?;
     let ends = [(-0.5, 0.0), (budgets.len() as f64 - 0.5, 0.0)];
     chart.draw_series([PathElement::new(ends, INK.stroke_width(1))])?;
     for row in rows() {
@@ -196,7 +205,7 @@ pub fn page(
     );
     let _ = write!(
         html,
-        "<section><h2>Quality</h2>\n<div class=\"plot\">{}</div>\n<pre>{}</pre></section>\n",
+        "<section><h2>Quality</h2>\n<div>{}</div>\n<pre>{}</pre></section>\n",
         psnr_svg(summary, schemes)?,
         escape(&summary::table(summary))
     );
