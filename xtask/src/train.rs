@@ -95,6 +95,7 @@ const REFUSALS: &[Refusal] = &[
     Refusal { call: "quantize network.onnx --data data --objects 8 --out empty", says: "cannot write empty" },
     Refusal { call: "evaluate ball --schemes best --out other", says: "no scheme `best`" },
     Refusal { call: "evaluate ball --budgets 0 --out other", says: "a budget is 0" },
+    Refusal { call: "evaluate ball --test-views 0 --out other", says: "1 to 200 test views" },
     Refusal { call: "evaluate ball --out data", says: "is not empty" },
     Refusal { call: "evaluate ball --field nerf --out sweep", says: "other settings" },
     Refusal { call: "evaluate ball --lpips foreign --out other", says: "cannot use foreign for LPIPS" },

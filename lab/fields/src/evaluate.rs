@@ -279,6 +279,7 @@ impl Sweep<'_> {
         }
         let renderer = Renderer::new(&object.mesh);
         let planner = Planner::new(&object.mesh, self.poses, self.networks)?;
+        self.store.create(self.settings)?;
         let test = Photos::of_mesh(&renderer, self.camera, self.test_poses.to_vec());
         // One plan for all budgets, unless it is no greedy one.
         let mut plans: Vec<(&str, u64, Views)> = Vec::new();

@@ -62,7 +62,8 @@ pub struct Store {
 }
 
 impl Store {
-    /// A new folder, or one that holds runs of the same settings.
+    /// A new folder, or one that holds runs of the same settings. Nothing is written before
+    /// [`create`](Self::create): what is refused meanwhile leaves no folder behind.
     pub fn open(folder: &Path, settings: &Settings) -> Result<Self> {
         let path = folder.join("settings.json");
         ensure!(!folder.is_file(), "{} is a file: name a folder", folder.display());
@@ -79,13 +80,21 @@ impl Store {
         } else {
             let occupied = fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_some());
             ensure!(!occupied, "{} is not empty: name another folder", folder.display());
-            for folder in ["runs", "renders"].map(|name| folder.join(name)) {
-                fs::create_dir_all(&folder)
-                    .with_context(|| format!("cannot create {}", folder.display()))?;
-            }
-            write_whole(&path, serde_json::to_string_pretty(settings)?.as_bytes())?;
         }
         Ok(Self { folder: folder.to_owned() })
+    }
+
+    /// Makes the folder, unless it is there.
+    pub fn create(&self, settings: &Settings) -> Result<()> {
+        let path = self.folder.join("settings.json");
+        if path.exists() {
+            return Ok(());
+        }
+        for folder in ["runs", "renders"].map(|name| self.folder.join(name)) {
+            fs::create_dir_all(&folder)
+                .with_context(|| format!("cannot create {}", folder.display()))?;
+        }
+        write_whole(&path, serde_json::to_string_pretty(settings)?.as_bytes())
     }
 
     /// The name of a run's files, without ending.
@@ -218,6 +227,8 @@ pub(crate) mod tests {
         let home = tempfile::tempdir().unwrap();
         let folder = home.path().join("sweep");
         let store = Store::open(&folder, &settings(100)).unwrap();
+        assert!(!folder.exists());
+        store.create(&settings(100)).unwrap();
         let one = run("a/b.glb", "fps", 1, 6, 21.5);
         store.keep(&one).unwrap();
         let store = Store::open(&folder, &settings(100)).unwrap();
