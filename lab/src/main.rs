@@ -3,6 +3,7 @@
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+use vantage_lab::commands::train::Program;
 use vantage_lab::commands::{compare, dataset, device, plan, train};
 
 /// Plans the next best photo of an object for radiance-field capture
@@ -31,6 +32,11 @@ enum Command {
     Quantize(train::NetworkArgs),
     /// Measure this program's networks and write their card
     Card(train::NetworkArgs),
+    /// Compare schemes by the radiance fields that are trained on their views (builds a
+    /// deep-learning library first: some minutes, once)
+    Evaluate(train::NetworkArgs),
+    /// Train one radiance field of an object and measure it
+    Field(train::NetworkArgs),
 }
 
 fn main() -> ExitCode {
@@ -39,10 +45,12 @@ fn main() -> ExitCode {
         Command::Compare(args) => done(compare::run(&args)),
         Command::Dataset(args) => done(dataset::run(&args)),
         Command::Device(args) => done(device::run(&args)),
-        Command::Train(args) => train::run("train", &args),
-        Command::Export(args) => train::run("export", &args),
-        Command::Quantize(args) => train::run("quantize", &args),
-        Command::Card(args) => train::run("card", &args),
+        Command::Train(args) => train::run(Program::Train, "train", &args),
+        Command::Export(args) => train::run(Program::Train, "export", &args),
+        Command::Quantize(args) => train::run(Program::Train, "quantize", &args),
+        Command::Card(args) => train::run(Program::Train, "card", &args),
+        Command::Evaluate(args) => train::run(Program::Fields, "evaluate", &args),
+        Command::Field(args) => train::run(Program::Fields, "field", &args),
     };
     match result {
         Ok(code) => code,

@@ -59,7 +59,20 @@ const STAGES: &[Stage] = &[
         says: "\"scheme\":\"soarnet\"",
         files: &[],
     },
+    Stage {
+        call: EVALUATE,
+        says: "fps - random",
+        files: &["sweep/runs.csv", "sweep/results.json", "sweep/psnr.svg", "sweep/report.html"],
+    },
+    Stage {
+        call: "field ball --field plenoxels --views 12 --test-views 2 --steps 60 --out field",
+        says: "LPIPS no weights",
+        files: &["field/course.json", "field/render-001.png"],
+    },
 ];
+
+const EVALUATE: &str = "evaluate ball --schemes random,fps --budgets 3 --seeds 2 --field plenoxels \
+                        --steps 20 --test-views 2 --candidates 20 --out sweep";
 
 /// What must be refused, in a folder that [`damage`] has prepared.
 #[rustfmt::skip]
@@ -80,15 +93,25 @@ const REFUSALS: &[Refusal] = &[
     Refusal { call: "quantize cut.onnx --data data --out other.model", says: "cannot read cut.onnx" },
     Refusal { call: "quantize network.onnx --data empty --out other.model", says: "holds no data set" },
     Refusal { call: "quantize network.onnx --data data --objects 8 --out empty", says: "cannot write empty" },
+    Refusal { call: "evaluate ball --schemes best --out other", says: "no scheme `best`" },
+    Refusal { call: "evaluate ball --budgets 0 --out other", says: "a budget is 0" },
+    Refusal { call: "evaluate ball --test-views 0 --out other", says: "1 to 200 test views" },
+    Refusal { call: "evaluate ball --out data", says: "is not empty" },
+    Refusal { call: "evaluate ball --field nerf --out sweep", says: "other settings" },
+    Refusal { call: "evaluate ball --lpips foreign --out other", says: "cannot use foreign for LPIPS" },
+    Refusal { call: "field ball --views 13 --out field", says: "another training" },
     Refusal { call: "plan ball --scheme soarnet --model foreign --out plan", says: "foreign cannot be used" },
     Refusal { call: "plan ball --scheme soarnet --model cut.model --out plan", says: "cut.model cannot be used" },
     Refusal { call: "plan ball --scheme soarnet --model changed.model --out plan", says: "changed.model cannot be used" },
 ];
 
-/// Tests `vantage-train`, goes the whole way, and then every way that is barred.
+/// Tests `vantage-train` and `vantage-fields`, goes the whole way, and then every way that is barred.
 pub fn test(workspace: &Workspace) -> Result<()> {
     let mut test = command::new(&workspace.root, cargo());
-    command::run(test.args(["test", "--quiet", "--release", "--package", "vantage-train"]))?;
+    command::run(
+        test.args(["test", "--quiet", "--release", "--package", "vantage-train"])
+            .args(["--package", "vantage-fields"]),
+    )?;
     let user = User {
         program: build(workspace)?,
         home: empty_folder(workspace, "train")?,

@@ -183,7 +183,7 @@ fn procedural(seed: u64, count: usize) -> Result<Vec<String>> {
 }
 
 /// The files in folders, and whatever else is named.
-fn objects_of(names: &[String]) -> Result<Vec<String>> {
+pub fn objects_of(names: &[String]) -> Result<Vec<String>> {
     if names.is_empty() {
         return Ok(crate::mesh::BUILTIN.iter().map(|name| (*name).to_owned()).collect());
     }

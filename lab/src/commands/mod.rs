@@ -87,7 +87,8 @@ impl ModelArgs {
         scheme::network(scheme).map(|(network, _)| self.open(network)).transpose()
     }
 
-    fn open(&self, network: scheme::Network) -> Result<Network> {
+    /// The network of that kind.
+    pub fn open(&self, network: scheme::Network) -> Result<Network> {
         match (network, &self.model, &self.poses_model) {
             (scheme::Network::Soarnet, Some(file), _) => Network::open(file),
             (scheme::Network::Soarnet, None, _) => Ok(Network::shipped()),

@@ -1,5 +1,5 @@
-//! `cargo vantage train`, `export` and `quantize`: handed to `vantage-train`, a program of its own
-//! because a deep-learning library takes minutes to compile and nothing else needs one.
+//! The commands that are handed to programs of their own, `vantage-train` and `vantage-fields`, because
+//! a deep-learning library takes minutes to compile and nothing else needs one.
 
 use std::ffi::OsString;
 use std::process::{Command, ExitCode};
@@ -7,7 +7,7 @@ use std::process::{Command, ExitCode};
 use anyhow::{Context, Result};
 use clap::Args;
 
-/// Options of these commands: all go to `vantage-train`.
+/// Options of these commands: all go to the other program.
 #[derive(Args, Clone, Debug)]
 #[command(disable_help_flag = true)]
 pub struct NetworkArgs {
@@ -16,10 +16,22 @@ pub struct NetworkArgs {
     args: Vec<OsString>,
 }
 
-/// Runs a command of `vantage-train`, which cargo builds where it has not been built yet.
-pub fn run(command: &str, args: &NetworkArgs) -> Result<ExitCode> {
+/// The programs, by their folders beside this package's sources.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Program {
+    /// `vantage-train`.
+    Train,
+    /// `vantage-fields`.
+    Fields,
+}
+
+/// Runs a command of another program, which cargo builds where it has not been built yet.
+pub fn run(program: Program, command: &str, args: &NetworkArgs) -> Result<ExitCode> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let manifest = concat!(env!("CARGO_MANIFEST_DIR"), "/train/Cargo.toml");
+    let manifest = match program {
+        Program::Train => concat!(env!("CARGO_MANIFEST_DIR"), "/train/Cargo.toml"),
+        Program::Fields => concat!(env!("CARGO_MANIFEST_DIR"), "/fields/Cargo.toml"),
+    };
     // Built aloud, since that may take minutes; run quietly, or cargo would add its own words to
     // whatever the program refuses.
     let built =

@@ -41,7 +41,7 @@ pub fn page(report: &Report<'_>) -> Result<String> {
 }
 
 /// A page until its content; the title is escaped.
-pub(super) fn beginning(title: &str) -> String {
+pub fn beginning(title: &str) -> String {
     format!(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta \
          name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<meta \
@@ -52,7 +52,7 @@ pub(super) fn beginning(title: &str) -> String {
 }
 
 /// What ends a page.
-pub(super) const END: &str = "</main>\n</body>\n</html>\n";
+pub const END: &str = "</main>\n</body>\n</html>\n";
 
 /// The palette as CSS, so that the colours stand in one place.
 fn colours() -> String {

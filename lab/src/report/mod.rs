@@ -15,7 +15,7 @@ pub mod html;
 mod palette;
 pub mod photos;
 pub mod plot;
-mod svg;
+pub mod svg;
 mod trainers;
 
 use std::fs;

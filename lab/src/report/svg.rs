@@ -3,7 +3,7 @@
 use super::palette::Rgb;
 
 /// The text with the five characters escaped that mean something in markup.
-pub(super) fn escape(text: &str) -> String {
+pub fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for character in text.chars() {
         match character {

@@ -1,0 +1,391 @@
+//! `cargo vantage evaluate`: schemes by the fields that their views give.
+//!
+//! For every object the schemes choose views, a field is trained on each choice, and its renders are
+//! compared with photos from a circle of test views. Every finished run is a file of its own; the
+//! same command again, or with more schemes, budgets, seeds or objects, does what is missing.
+
+use std::path::PathBuf;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, Result, bail, ensure};
+use clap::Args;
+use indicatif::{ProgressBar, ProgressStyle};
+use serde::Serialize;
+use vantage_core::{Camera, Pose};
+use vantage_lab::commands::ModelArgs;
+use vantage_lab::commands::compare::objects_of;
+use vantage_lab::network::Network;
+use vantage_lab::object::Object;
+use vantage_lab::pool::{FOV_X_RAD, PoolArgs};
+use vantage_lab::render::Renderer;
+use vantage_lab::scheme;
+
+use crate::lpips::Lpips;
+use crate::metrics::{psnr, ssim};
+use crate::page;
+use crate::photos::{Photos, Picture, test_circle};
+use crate::plans::{self, Planner, Views};
+use crate::recipe::{Kind, Preset, Recipe};
+use crate::runs::{Run, Settings, Store, csv};
+use crate::summary::{self, Summary, summarise};
+use crate::train::Trainer;
+
+/// Compare schemes by the radiance fields that are trained on their views
+#[derive(Args, Clone, Debug)]
+pub struct EvaluateArgs {
+    /// Objects: files, built-in names, classes, NAME:SEED, or folders of GLB, glTF and OBJ files; every
+    /// built-in one if none is named
+    pub objects: Vec<String>,
+    /// Schemes, separated by commas: those of `plan`, e-exact (the same as e), fibonacci (an even
+    /// lattice, not from the candidates), best-of-4-random and optimal-cqdt (the best in hindsight)
+    #[arg(long, value_delimiter = ',', default_value = "random,fps,e-exact,soarnet")]
+    pub schemes: Vec<String>,
+    /// Budgets, separated by commas
+    #[arg(long, value_delimiter = ',', default_value = "6,12,20")]
+    pub budgets: Vec<usize>,
+    /// The field that is trained
+    #[arg(long, value_enum, default_value = "tensorf")]
+    pub field: Kind,
+    /// Its size, and that of the photos
+    #[arg(long, value_enum, default_value = "small")]
+    pub preset: Preset,
+    /// Steps of training [default: the preset's]
+    #[arg(long, value_name = "N")]
+    pub steps: Option<usize>,
+    /// Runs of each scheme that leaves something to chance, with seeds 0, 1, 2 …
+    #[arg(long, default_value_t = 3, value_name = "N")]
+    pub seeds: u64,
+    /// Fields trained side by side, each on one thread [default: the processor's cores]
+    #[arg(long, value_name = "J")]
+    pub jobs: Option<usize>,
+    /// Test views on the circle, 1 to 200
+    #[arg(long, default_value_t = 24, value_name = "N")]
+    pub test_views: usize,
+    /// Measure LPIPS by this ONNX file: two pictures (1, 3, height, width) in [-1, 1], one number
+    #[arg(long, value_name = "FILE")]
+    pub lpips: Option<PathBuf>,
+    #[command(flatten)]
+    pub model: ModelArgs,
+    #[command(flatten)]
+    pub pool: PoolArgs,
+    /// Seed of a built-in object
+    #[arg(long, default_value_t = 0, value_name = "K")]
+    pub object_seed: u64,
+    /// Folder of the runs; an interrupted sweep continues
+    #[arg(long, short, value_name = "DIR")]
+    pub out: PathBuf,
+}
+
+/// `results.json`.
+#[derive(Serialize)]
+struct Results<'a> {
+    settings: &'a Settings,
+    runs: &'a [Run],
+    #[serde(flatten)]
+    summary: &'a Summary,
+}
+
+/// A run that is wanted: a scheme that is planned, not one in hindsight.
+#[derive(Clone, Debug, PartialEq)]
+struct Wanted {
+    scheme: String,
+    seed: u64,
+    budget: usize,
+}
+
+/// Runs what is missing, then writes and prints what all of it says.
+pub fn run(args: &EvaluateArgs) -> Result<()> {
+    let schemes = schemes_of(args)?;
+    let objects = objects_of(&args.objects)?;
+    let poses = args.pool.poses()?;
+    check(args, poses.len())?;
+    let networks = networks_of(args, &schemes)?;
+    let settings = settings_of(args)?;
+    settings.recipe.check()?;
+    let side = settings.photo_side;
+    let camera = Camera::from_fov(side, side, FOV_X_RAD)?;
+    let test_poses = test_circle(args.test_views)?;
+    let lpips = args.lpips.as_ref();
+    let lpips = lpips.map(|file| Lpips::open(file, side as usize, side as usize)).transpose()?;
+    let store = Store::open(&args.out, &settings)?;
+
+    let wanted = wanted_of(args, &schemes);
+    let jobs = args.jobs.unwrap_or_else(|| thread::available_parallelism().map_or(1, usize::from));
+    let bar = ProgressBar::new((objects.len() * wanted.len()) as u64);
+    bar.set_style(ProgressStyle::with_template(
+        "{elapsed_precise} {wide_bar} {pos}/{len} runs, {eta} left",
+    )?);
+    bar.enable_steady_tick(Duration::from_millis(500));
+    let sweep = Sweep {
+        args,
+        settings: &settings,
+        store: &store,
+        camera,
+        poses: &poses,
+        test_poses: &test_poses,
+        networks: &networks,
+        lpips: lpips.as_ref(),
+        jobs: jobs.max(1),
+        bar: &bar,
+    };
+    let (mut runs, mut failed) = (Vec::new(), 0);
+    for name in &objects {
+        match sweep.object(name, &wanted) {
+            Ok(found) => runs.extend(found),
+            Err(error) => {
+                failed += 1;
+                bar.suspend(|| eprintln!("error: {name} is left out: {error:#}"));
+            }
+        }
+    }
+    bar.finish_and_clear();
+    ensure!(!runs.is_empty(), "none of the objects could be evaluated");
+
+    let summary = summarise(&runs, &schemes, &args.budgets);
+    store.write("runs.csv", csv(&runs).as_bytes())?;
+    let results = Results { settings: &settings, runs: &runs, summary: &summary };
+    store.write("results.json", serde_json::to_string_pretty(&results)?.as_bytes())?;
+    store.write("psnr.svg", page::psnr_svg(&summary, &schemes)?.as_bytes())?;
+    let html = page::page(&settings, &runs, &summary, &schemes, &store)?;
+    let report = store.write("report.html", html.as_bytes())?;
+    print!("{}", summary::table(&summary));
+    eprintln!("wrote {}", report.display());
+    if failed > 0 {
+        bail!("{failed} objects were left out");
+    }
+    Ok(())
+}
+
+/// The schemes by their own names, each once.
+fn schemes_of(args: &EvaluateArgs) -> Result<Vec<String>> {
+    let mut schemes: Vec<String> = Vec::new();
+    for name in &args.schemes {
+        let name = plans::canonical(name);
+        plans::check(name)?;
+        if !schemes.iter().any(|known| known == name) {
+            schemes.push(name.to_owned());
+        }
+    }
+    ensure!(!schemes.is_empty(), "name at least one scheme");
+    Ok(schemes)
+}
+
+fn check(args: &EvaluateArgs, candidates: usize) -> Result<()> {
+    let (Some(&most), Some(&least)) = (args.budgets.iter().max(), args.budgets.iter().min()) else {
+        bail!("name at least one budget");
+    };
+    ensure!(least > 0, "a budget is 0: ask for at least one view");
+    ensure!(args.seeds > 0, "--seeds is 0: ask for at least one run of each scheme");
+    ensure!(args.jobs != Some(0), "--jobs is 0: train at least one field at a time");
+    scheme::plan("e", most, 0).context("the ensemble")?.check(candidates)?;
+    Ok(())
+}
+
+fn settings_of(args: &EvaluateArgs) -> Result<Settings> {
+    let mut recipe = Recipe::new(args.field, args.preset);
+    recipe.steps = args.steps.unwrap_or(recipe.steps);
+    let count = args.pool.candidates;
+    let pool = (args.pool.record(), args.pool.seed(), count);
+    Ok(Settings {
+        field: args.field,
+        preset: args.preset,
+        recipe,
+        photo_side: args.preset.photo_side(),
+        test_views: args.test_views,
+        pool: serde_json::to_value(pool)?,
+        object_seed: args.object_seed,
+        lpips: args.lpips.clone(),
+        models: [args.model.model.clone(), args.model.poses_model.clone()],
+    })
+}
+
+/// The networks that the schemes ask.
+fn networks_of(args: &EvaluateArgs, schemes: &[String]) -> Result<Vec<(scheme::Network, Network)>> {
+    let mut networks: Vec<(scheme::Network, Network)> = Vec::new();
+    for (network, _) in schemes.iter().filter_map(|scheme| scheme::network(scheme)) {
+        if !networks.iter().any(|(known, _)| *known == network) {
+            networks.push((network, args.model.open(network)?));
+        }
+    }
+    Ok(networks)
+}
+
+/// All runs of one object, each once.
+fn wanted_of(args: &EvaluateArgs, schemes: &[String]) -> Vec<Wanted> {
+    let mut wanted: Vec<Wanted> = Vec::new();
+    for scheme in schemes {
+        for (scheme, seed) in (0..args.seeds).flat_map(|seed| plans::parts(scheme, seed)) {
+            for &budget in &args.budgets {
+                let one = Wanted { scheme: scheme.clone(), seed, budget };
+                if (seed == 0 || plans::has_chance(&scheme)) && !wanted.contains(&one) {
+                    wanted.push(one);
+                }
+            }
+        }
+    }
+    wanted
+}
+
+/// What all runs share.
+struct Sweep<'a> {
+    args: &'a EvaluateArgs,
+    settings: &'a Settings,
+    store: &'a Store,
+    camera: Camera,
+    poses: &'a [Pose],
+    test_poses: &'a [Pose],
+    networks: &'a [(scheme::Network, Network)],
+    lpips: Option<&'a Lpips>,
+    jobs: usize,
+    bar: &'a ProgressBar,
+}
+
+impl Sweep<'_> {
+    /// All runs of an object, the finished ones as they were.
+    fn object(&self, name: &str, wanted: &[Wanted]) -> Result<Vec<Run>> {
+        let find = |one: &Wanted| self.store.find(name, &one.scheme, one.seed, one.budget);
+        let found: Vec<Option<Run>> = wanted.iter().map(find).collect::<Result<_>>()?;
+        let missing: Vec<&Wanted> = wanted
+            .iter()
+            .zip(&found)
+            .filter(|(_, run)| run.is_none())
+            .map(|(one, _)| one)
+            .collect();
+        self.bar.inc((wanted.len() - missing.len()) as u64);
+        // What is done at once must not count for how fast the rest will be.
+        self.bar.reset_eta();
+        let mut new = if missing.is_empty() {
+            Vec::new()
+        } else {
+            self.train(name, &missing).inspect_err(|_| self.bar.inc(missing.len() as u64))?
+        };
+        new.extend(found.into_iter().flatten());
+        let place = |run: &Run| {
+            wanted.iter().position(|one| {
+                (one.scheme == run.scheme) && (one.seed, one.budget) == (run.seed, run.budget)
+            })
+        };
+        new.sort_by_key(place);
+        Ok(new)
+    }
+
+    fn train(&self, name: &str, missing: &[&Wanted]) -> Result<Vec<Run>> {
+        let object = Object::open(Some(name), self.args.object_seed)?;
+        for warning in &object.warnings {
+            self.bar.suspend(|| eprintln!("warning: {name}: {warning}"));
+        }
+        let renderer = Renderer::new(&object.mesh);
+        let planner = Planner::new(&object.mesh, self.poses, self.networks)?;
+        self.store.create(self.settings)?;
+        let test = Photos::of_mesh(&renderer, self.camera, self.test_poses.to_vec());
+        // One plan for all budgets, unless it is no greedy one.
+        let mut plans: Vec<(&str, u64, Views)> = Vec::new();
+        let mut tasks: Vec<(&Wanted, Views)> = Vec::new();
+        for one in missing {
+            let known = |plan: &&(&str, u64, Views)| plan.0 == one.scheme && plan.1 == one.seed;
+            let views = if one.scheme == plans::FIBONACCI {
+                planner.views(&one.scheme, one.budget, one.seed)?
+            } else if let Some((_, _, views)) = plans.iter().find(known) {
+                views.first(one.budget)
+            } else {
+                let most = self.args.budgets.iter().copied().max().unwrap_or(one.budget);
+                let views = planner.views(&one.scheme, most, one.seed)?;
+                plans.push((&one.scheme, one.seed, views.clone()));
+                views.first(one.budget)
+            };
+            tasks.push((one, views));
+        }
+        // Photos are taken here, on all cores; the threads below train, each on one.
+        let photos = |views: &Views| Photos::of_mesh(&renderer, self.camera, views.poses.clone());
+        let photos: Vec<Photos> = tasks.iter().map(|(_, views)| photos(views)).collect();
+
+        let next = AtomicUsize::new(0);
+        let done: Mutex<Vec<Result<Run>>> = Mutex::new(Vec::new());
+        let push = |run| done.lock().unwrap_or_else(|poison| poison.into_inner()).push(run);
+        thread::scope(|scope| {
+            for _ in 0..self.jobs.min(tasks.len()) {
+                scope.spawn(|| {
+                    loop {
+                        let place = next.fetch_add(1, Ordering::Relaxed);
+                        let (Some((one, views)), Some(photos)) =
+                            (tasks.get(place), photos.get(place))
+                        else {
+                            break;
+                        };
+                        push(self.one(name, one, views, photos, &test));
+                        self.bar.inc(1);
+                    }
+                });
+            }
+        });
+        done.into_inner().unwrap_or_else(|poison| poison.into_inner()).into_iter().collect()
+    }
+
+    /// Trains a field, and measures it.
+    fn one(
+        &self,
+        object: &str,
+        wanted: &Wanted,
+        views: &Views,
+        photos: &Photos,
+        test: &Photos,
+    ) -> Result<Run> {
+        let start = Instant::now();
+        let mut trainer = Trainer::new(&self.settings.recipe, photos, wanted.seed);
+        while !trainer.is_over() {
+            let loss = trainer.advance();
+            ensure!(loss.is_finite(), "the loss is no longer finite");
+        }
+        let training_seconds = start.elapsed().as_secs_f64();
+        let found = trainer.render(&test.camera, &test.poses);
+        let quality = Quality::of(&found, &test.pictures, self.lpips)?;
+        let run = Run {
+            object: object.to_owned(),
+            scheme: wanted.scheme.clone(),
+            seed: wanted.seed,
+            budget: wanted.budget,
+            views: views.candidates.clone(),
+            psnr: quality.psnr,
+            ssim: quality.ssim,
+            lpips: quality.lpips,
+            planning_seconds: views.seconds.last().copied().unwrap_or(0.0),
+            training_seconds,
+        };
+        page::beside(&found[0], &test.pictures[0])
+            .save(self.store.render(&run))
+            .context("a render cannot be written")?;
+        self.store.keep(&run)?;
+        Ok(run)
+    }
+}
+
+/// How good renders are, the mean over them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Quality {
+    /// Decibels.
+    pub psnr: f64,
+    /// At most 1.
+    pub ssim: f64,
+    /// None without weights.
+    pub lpips: Option<f64>,
+}
+
+impl Quality {
+    /// Compares renders with photos from the same places.
+    pub fn of(found: &[Picture], truth: &[Picture], lpips: Option<&Lpips>) -> Result<Self> {
+        let count = found.len().max(1) as f64;
+        let (mut sums, mut distance) = ([0.0; 2], 0.0);
+        for (found, truth) in found.iter().zip(truth) {
+            sums[0] += psnr(found, truth);
+            sums[1] += ssim(found, truth).context("the pictures are too small for SSIM")?;
+            if let Some(lpips) = lpips {
+                distance += lpips.distance(found, truth)?;
+            }
+        }
+        let lpips = lpips.map(|_| distance / count);
+        Ok(Self { psnr: sums[0] / count, ssim: sums[1] / count, lpips })
+    }
+}

@@ -1,0 +1,34 @@
+//! Trains radiance fields, and compares schemes by them.
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+use vantage_fields::evaluate::{self, EvaluateArgs};
+use vantage_fields::one::{self, FieldArgs};
+
+#[derive(Parser)]
+#[command(version, about, max_term_width = 100)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    Evaluate(EvaluateArgs),
+    Field(FieldArgs),
+}
+
+fn main() -> ExitCode {
+    let result = match Cli::parse().command {
+        Command::Evaluate(args) => evaluate::run(&args),
+        Command::Field(args) => one::run(&args),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
