@@ -191,46 +191,19 @@ impl Hull {
         Voxel { centre: Vec3::new(middle(x), middle(y), middle(z)), normal, area }
     }
 
-    /// Where the hull ends, for [`is_open`](Self::is_open).
-    pub(super) fn bounds(&self) -> Bounds {
-        let (mut low, mut high, mut radius_squared) = ([SIDE; 3], [0; 3], 0);
-        for (place, &row) in self.rows.iter().enumerate().filter(|(_, row)| **row != 0) {
-            let (y, z) = (place as i32 % SIDE, place as i32 / SIDE);
-            let first = [row.trailing_zeros() as i32, y, z];
-            let after = [SIDE - row.leading_zeros() as i32, y + 1, z + 1];
-            let mut squared = 0;
-            let bounds = low.iter_mut().zip(&mut high).zip(first.into_iter().zip(after));
-            for ((low, high), (first, after)) in bounds {
-                *low = first.min(*low);
-                *high = after.max(*high);
-                squared += (SIDE / 2 - first).max(after - SIDE / 2).pow(2);
-            }
-            radius_squared = squared.max(radius_squared);
-        }
-        let vector = |corner: [i32; 3]| Vec3::from_array(corner.map(|at| at as f32));
-        // A little more, for what is rounded.
-        Bounds { low: vector(low), high: vector(high), radius_squared: radius_squared as f32 + 1.0 }
-    }
-
     /// Whether nothing of the hull stands between a surface voxel, given by its centre and normal, and
     /// a camera outside in `direction`, of unit length.
     ///
     /// Looks every 0.7 voxels along a line that begins 1.2 voxels above the centre. On a ball it takes
-    /// a place for hidden by its neighbours only beyond 76 degrees of incidence. `bounds` are the hull's
-    /// and change nothing but how long it takes.
-    pub(super) fn is_open(
-        &self,
-        bounds: &Bounds,
-        centre: Vec3,
-        normal: Vec3,
-        direction: Vec3,
-    ) -> bool {
+    /// a place for hidden by its neighbours only beyond 76 degrees of incidence.
+    pub(super) fn is_open(&self, centre: Vec3, normal: Vec3, direction: Vec3) -> bool {
         // What is thin has no outside of its own.
         let away = if normal == Vec3::ZERO { direction } else { normal };
         let begin = (centre + away * (1.2 * VOXEL) + Vec3::ONE) * (1.0 / VOXEL);
         let step = direction * 0.7;
         let mut place = begin + step * 0.5;
-        for _ in 0..bounds.steps(place, step) {
+        // It leaves the cube, whose diagonal is 55 voxels, after 80 steps at most.
+        for _ in 0..80 {
             let inside = |at: f32| (0.0..SIDE as f32).contains(&at);
             if !(inside(place.x) && inside(place.y) && inside(place.z)) {
                 return true;
@@ -242,37 +215,6 @@ impl Hull {
             place += step;
         }
         true
-    }
-}
-
-/// The box and the ball about the cube's middle that hold a hull; voxel sides, from the cube's corner.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Bounds {
-    low: Vec3,
-    high: Vec3,
-    radius_squared: f32,
-}
-
-impl Bounds {
-    /// Of nothing.
-    pub(super) const NONE: Self = Self { low: Vec3::ZERO, high: Vec3::ZERO, radius_squared: 0.0 };
-
-    /// At least as many steps as a line from `place` takes until it has left the hull for good.
-    fn steps(&self, place: Vec3, step: Vec3) -> i32 {
-        // Out of the box by the sides ahead of it; infinite along a side.
-        let ahead = Vec3::select(step.cmplt(Vec3::ZERO), self.low, self.high);
-        let Vec3 { x, y, z } = (ahead - place) / step;
-        // Out of the ball: the greater root of |from + steps · step|² = radius².
-        let from = place - Vec3::splat(0.5 * SIDE as f32);
-        let (a, b) = (step.length_squared(), from.dot(step));
-        let squared = b * b - a * (from.length_squared() - self.radius_squared);
-        if squared < 0.0 {
-            return 0;
-        }
-        let ball = (squared * math::inverse_sqrt(squared) - b) / a;
-        // The step after the last within, and one more for what is rounded. The cube's diagonal is 55
-        // voxels long: 80 steps at most.
-        (x.min(y).min(z).min(ball) + 2.0).min(80.0) as i32
     }
 }
 
@@ -571,7 +513,6 @@ pub(super) mod tests {
         let hulls = [(whole(), 0.0), (hull_of(&[BALL], 100), 2e-4), (hull_of(&[BALL], 12), 2e-3)];
         let least = 76f32.to_radians().cos();
         for (hull, most) in hulls {
-            let bounds = hull.bounds();
             let (mut front, mut hidden) = (0, 0);
             for voxel in hull.surface(|_, _, _| true) {
                 for stance in stances(60) {
@@ -579,8 +520,7 @@ pub(super) mod tests {
                     let cosine = towards.dot(voxel.normal);
                     if cosine > least {
                         front += 1;
-                        hidden +=
-                            u32::from(!hull.is_open(&bounds, voxel.centre, voxel.normal, towards));
+                        hidden += u32::from(!hull.is_open(voxel.centre, voxel.normal, towards));
                     }
                 }
             }
@@ -591,7 +531,6 @@ pub(super) mod tests {
     #[test]
     fn a_flat_sheet_is_open_to_both_sides() {
         let hull = sheet();
-        let bounds = hull.bounds();
         // The line begins at 1.2 + 0.35 voxels: at a lesser height than half a voxel still in the sheet.
         let least = 0.5 / 1.55;
         // Away from the edges, whose normals point outward.
@@ -600,7 +539,7 @@ pub(super) mod tests {
             assert_eq!((voxel.normal, voxel.area), (Vec3::ZERO, 1.0));
             for stance in stances(100) {
                 let towards = (Camera::eye_in(stance.direction) - voxel.centre).normalize();
-                let open = hull.is_open(&bounds, voxel.centre, voxel.normal, towards);
+                let open = hull.is_open(voxel.centre, voxel.normal, towards);
                 assert_eq!(open, towards.z.abs() > least, "{voxel:?} from {towards}");
             }
         }
@@ -609,11 +548,10 @@ pub(super) mod tests {
     #[test]
     fn one_ball_hides_the_other() {
         let hull = hull_of(&[Ball::new(-0.55, 0.0, 0.0, 0.3), Ball::new(0.55, 0.0, 0.0, 0.3)], 40);
-        let bounds = hull.bounds();
         let open = |from: core::ops::Range<f32>| {
             let facing = hull.surface(|_, _, _| true);
             let facing = facing.filter(|v| from.contains(&v.centre.x) && v.normal.x > 0.9);
-            facing.map(|v| hull.is_open(&bounds, v.centre, v.normal, Vec3::X)).collect::<Vec<_>>()
+            facing.map(|v| hull.is_open(v.centre, v.normal, Vec3::X)).collect::<Vec<_>>()
         };
         let (inner, outer) = (open(-0.4..-0.1), open(0.7..1.0));
         assert!(inner.len() > 5 && outer.len() > 5, "{} {}", inner.len(), outer.len());
@@ -684,30 +622,6 @@ pub(super) mod tests {
         }
 
         #[test]
-        fn bounds_change_nothing(
-            sketches in prop::collection::vec((any_stance(), any_sketch()), 0..4),
-            eyes in prop::collection::vec(any_stance(), 20),
-        ) {
-            let mut hull = whole();
-            for (stance, sketch) in &sketches {
-                if let Some(camera) = Camera::try_new(stance) {
-                    hull.carve(&camera, sketch);
-                }
-            }
-            let bounds = hull.bounds();
-            let wide = Vec3::splat(1e3);
-            let none = Bounds { low: -wide, high: wide, radius_squared: 1e6 };
-            for voxel in hull.surface(|x, y, z| (x + 3 * y + 5 * z) % 3 == 0) {
-                let axes = [Vec3::X, Vec3::Y, Vec3::Z, Vec3::NEG_X, Vec3::NEG_Y, Vec3::NEG_Z];
-                let eyes = eyes.iter().map(|eye| Camera::eye_in(eye.direction) - voxel.centre);
-                for towards in eyes.chain(axes).map(|towards| towards.normalize()) {
-                    let open = |bounds| hull.is_open(bounds, voxel.centre, voxel.normal, towards);
-                    prop_assert_eq!(open(&bounds), open(&none), "{:?} {}", voxel, towards);
-                }
-            }
-        }
-
-        #[test]
         fn a_place_is_open_where_a_line_of_small_steps_meets_no_voxel(
             sketches in prop::collection::vec((any_stance(), any_sketch()), 1..3),
             eye in any_stance(),
@@ -718,7 +632,6 @@ pub(super) mod tests {
                     hull.carve(&camera, sketch);
                 }
             }
-            let bounds = hull.bounds();
             for voxel in hull.surface(|x, y, z| (x + 3 * y + 5 * z) % 17 == 0) {
                 let towards = (Camera::eye_in(eye.direction) - voxel.centre).normalize();
                 if towards.dot(voxel.normal) <= 0.0 {
@@ -735,7 +648,7 @@ pub(super) mod tests {
                     inside = if holds(&hull, x, y, z) { inside + 1 } else { 0 };
                     longest = longest.max(inside);
                 }
-                let open = hull.is_open(&bounds, voxel.centre, voxel.normal, towards);
+                let open = hull.is_open(voxel.centre, voxel.normal, towards);
                 // A run as long as a step cannot be stepped over.
                 if longest == 0 {
                     prop_assert!(open);
