@@ -147,6 +147,7 @@ fn settled(mut pose: Pose) -> Result<Pose> {
 fn packed(pixels: Pixels, [red, green, blue, _]: [u8; 4]) -> Vec<u8> {
     match pixels {
         Pixels::Rgb888 => vec![red, green, blue],
+        Pixels::Rgba8888 => vec![red, green, blue, 255],
         Pixels::Luma8 => vec![green],
         Pixels::Rgb565 => {
             let [red, green, blue] = [red >> 3, green >> 2, blue >> 3].map(u16::from);
