@@ -14,11 +14,9 @@ fn main() {
     }
     let variable = |name: &str| env::var(name).unwrap_or_default();
     let (target, arch) = (variable("TARGET"), variable("CARGO_CFG_TARGET_ARCH"));
-    // Every thumbv7em has the extension; of the thumbv8m.main those of which the flags say so.
-    let flags = variable("CARGO_ENCODED_RUSTFLAGS");
-    let asked = ["target-cpu=cortex-m33", "target-cpu=cortex-m35p", "target-feature=+dsp"];
-    let has_dsp = target.starts_with("thumbv7em")
-        || target.starts_with("thumbv8m.main") && asked.iter().any(|flag| flags.contains(flag));
+    // Every thumbv7em has the extension. Many thumbv8m.main have it, but rustc 1.95 does not assemble
+    // it for them, whatever the flags.
+    let has_dsp = target.starts_with("thumbv7em");
     let features = variable("CARGO_CFG_TARGET_FEATURE");
     let has_simd = features.split(',').any(|feature| feature == "simd128");
     if has_dsp {

@@ -8,6 +8,7 @@ mod core_rules;
 mod firmware;
 mod footprint;
 mod guidance;
+mod kernels;
 mod models;
 mod readers;
 mod same_plan;
@@ -43,6 +44,8 @@ Developer tasks of Vantage. Usage: cargo xtask <task>
                                    must be this computer's, and what a step costs in instructions
   size [--json]                    what a device needs in flash, RAM and stack, against the budgets
   panic-free                       show that planning and inference have no way to panic
+  bench kernels [--json]           count the kernels' instructions beside CMSIS-NN's, and time an
+                                   encoding beside tract and onnxruntime; results are compared first
   header                           rewrite core/c/include/vantage.h from its sources
   wasm                             build the npm package of WebAssembly into wasm/pkg
   serve [PORT]                     build the page and serve it on localhost (default port 8080)
@@ -75,7 +78,9 @@ fn run(arguments: &[String]) -> Result<ExitCode> {
         print!("{HELP}");
         return Ok(ExitCode::SUCCESS);
     }
-    if !rest.is_empty() && !matches!(task, "test" | "serve" | "models" | "firmware" | "size") {
+    if !rest.is_empty()
+        && !matches!(task, "test" | "serve" | "models" | "firmware" | "size" | "bench")
+    {
         bail!("`{task}` takes no arguments, but got `{}`; see `cargo xtask help`", rest.join(" "));
     }
     let workspace = Workspace::find()?;
@@ -101,6 +106,13 @@ fn run(arguments: &[String]) -> Result<ExitCode> {
             require(&workspace, &[Need::Thumbv7em])?;
             footprint::panic_free(&workspace)?;
         }
+        "bench" => match rest {
+            [what, options @ ..] if what == "kernels" => {
+                require(&workspace, &[Need::Thumbv7em, Need::Qemu, Need::Wasm32, Need::Node])?;
+                kernels::bench(&workspace, options)?;
+            }
+            _ => bail!("`bench` takes `kernels`; planning: cargo bench -p vantage-lab"),
+        },
         "header" => c::write_header(&workspace)?,
         "wasm" => {
             require(&workspace, &[Need::Wasm32])?;

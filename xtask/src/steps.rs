@@ -9,7 +9,9 @@ use crate::setup::Need;
 use crate::test::Outcome;
 use crate::toolchain::Target;
 use crate::workspace::{Workspace, cargo};
-use crate::{board, c, cli, core_rules, footprint, guidance, readers, same_plan, train, wasm, web};
+use crate::{
+    board, c, cli, core_rules, footprint, guidance, kernels, readers, same_plan, train, wasm, web,
+};
 
 /// One step of the tests.
 pub struct Step {
@@ -110,6 +112,13 @@ pub const STEPS: &[Step] = &[
         slow: false,
         needs: &[Need::Thumbv7em, Need::Qemu],
         run: |workspace| PLANS.on_cortex_m(workspace, &[CORTEX_M4F]).map(Outcome::passed),
+    },
+    Step {
+        name: "kernels",
+        about: "the int8 kernels equal their definition, at the instructions that they may cost",
+        slow: true,
+        needs: &[Need::Thumbv7em, Need::Qemu, Need::Wasm32, Need::Node],
+        run: |workspace| kernels::test(workspace).map(Outcome::passed),
     },
     Step {
         name: "sessions-recordings",

@@ -1,4 +1,4 @@
-//! The DSP extension of Armv7E-M and Armv8-M: Cortex-M4, M7, M33.
+//! The DSP extension of Armv7E-M: Cortex-M4, M7.
 //!
 //! ```text
 //! plain:   sum = bias + Σ_c weights[r, c] · input[c], for each output pixel and each row r

@@ -13,7 +13,7 @@
 //!
 //! | target | instructions |
 //! |---|---|
-//! | Cortex-M4, M7, and M33 with `-C target-cpu=cortex-m33` | `arm_dsp`: `smlad` |
+//! | Cortex-M4 and M7 (thumbv7em) | `arm_dsp`: `smlad` |
 //! | WebAssembly built with `-C target-feature=+simd128` | `wasm_simd`: `i32x4.dot_i16x8_s` |
 //! | x86-64 | `x86`: `pmaddwd` of SSE2 or AVX2, or `vpdpwssd`, as the processor says that it has them |
 //!
