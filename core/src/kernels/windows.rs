@@ -141,7 +141,7 @@ pub(super) fn convolve<L: Lines>(
         for row in 0..3 {
             let from = (y * stride + row).checked_sub(1).filter(|from| *from < side);
             let from = from.and_then(|from| values.get(from * side * channels..));
-            let buffers = rows.0.chunks_exact_mut(group).take(groups);
+            let buffers = rows.0.chunks_exact_mut(group.max(1)).take(groups);
             for (first, buffer) in (0..).step_by(GROUP).zip(buffers) {
                 let to = buffer.get_mut(GROUP * (3 + row)..).unwrap_or_default();
                 match from.and_then(|from| from.get(first..)) {
