@@ -7,7 +7,7 @@
 //! COBS (Cheshire and Baker, 1999) writes the bytes between without a zero, so that whatever was lost
 //! or added, the next zero begins anew. Between two zeros may be nothing.
 
-use cobs::{decode_in_place, max_encoding_length, try_encode_including_sentinels};
+use cobs::{DecodeResult, DecoderState, max_encoding_length, try_encode};
 use crc::{CRC_32_ISO_HDLC, Crc};
 use serde::Serialize;
 
@@ -31,8 +31,11 @@ pub fn write<'b>(message: &impl Serialize, packet: &'b mut [u8; PACKET]) -> Opti
     let length = postcard::to_slice(message, plain.get_mut(..MESSAGE)?).ok()?.len();
     let (written, rest) = plain.split_at_mut_checked(length)?;
     *rest.first_chunk_mut::<CHECKSUM>()? = CRC.checksum(written).to_le_bytes();
-    let used = try_encode_including_sentinels(plain.get(..length + CHECKSUM)?, packet).ok()?;
-    packet.get(..used)
+    let (first, rest) = packet.split_first_mut()?;
+    *first = 0;
+    let used = try_encode(plain.get(..length + CHECKSUM)?, rest).ok()?;
+    *rest.get_mut(used)? = 0;
+    packet.get(..used + 2)
 }
 
 /// What comes of a byte that ends a packet.
@@ -44,11 +47,12 @@ pub enum Packet<'a> {
     Damaged,
 }
 
-/// Gathers bytes into packets.
-#[derive(Clone, Debug)]
+/// Gathers bytes into messages.
+#[derive(Debug)]
 pub struct Reader {
-    buffer: [u8; PACKET],
-    used: usize, // of `buffer`; PACKET + 1 for a packet that is too long
+    state: DecoderState,
+    buffer: [u8; MESSAGE + CHECKSUM],
+    used: usize, // of `buffer`, or more where it is too short
 }
 
 impl Default for Reader {
@@ -60,34 +64,37 @@ impl Default for Reader {
 impl Reader {
     /// A reader between packets.
     pub const fn new() -> Self {
-        Self { buffer: [0; PACKET], used: 0 }
+        Self { state: DecoderState::Idle, buffer: [0; MESSAGE + CHECKSUM], used: 0 }
     }
 
     /// Takes in a byte; `Some` where it ends a packet.
     pub fn push(&mut self, byte: u8) -> Option<Packet<'_>> {
-        if byte != 0 {
-            match self.buffer.get_mut(self.used) {
-                Some(place) => {
-                    *place = byte;
-                    self.used += 1;
-                }
-                None => self.used = PACKET + 1,
+        match self.state.feed(byte) {
+            Ok(DecodeResult::NoData) => None,
+            Ok(DecodeResult::DataStart) => {
+                self.used = 0;
+                None
             }
-            return None;
+            Ok(DecodeResult::DataContinue(byte)) => {
+                if let Some(place) = self.buffer.get_mut(self.used) {
+                    *place = byte;
+                }
+                self.used = self.used.saturating_add(1);
+                None
+            }
+            Ok(DecodeResult::DataComplete) => {
+                let message = self.buffer.get(..self.used).and_then(checked);
+                Some(message.map_or(Packet::Damaged, Packet::Message))
+            }
+            // A zero where there should be none.
+            Err(_) => Some(Packet::Damaged),
         }
-        let used = core::mem::take(&mut self.used);
-        if used == 0 {
-            return None;
-        }
-        let message = self.buffer.get_mut(..used).and_then(decoded);
-        Some(message.map_or(Packet::Damaged, Packet::Message))
     }
 }
 
-/// The message of an encoded packet, if its checksum is right.
-fn decoded(encoded: &mut [u8]) -> Option<&[u8]> {
-    let length = decode_in_place(encoded).ok()?;
-    let (message, checksum) = encoded.get(..length)?.split_last_chunk::<CHECKSUM>()?;
+/// The message in front of its checksum, if that is right.
+fn checked(bytes: &[u8]) -> Option<&[u8]> {
+    let (message, checksum) = bytes.split_last_chunk::<CHECKSUM>()?;
     (CRC.checksum(message) == u32::from_le_bytes(*checksum)).then_some(message)
 }
 
