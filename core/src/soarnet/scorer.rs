@@ -229,9 +229,12 @@ impl<'m, M: Memory> SoarNet<'m, M> {
             form.take_in(stance, sketch);
         }
         let view = model.view_sums(embedding, stance);
-        let pooled = sums.chunks_exact_mut(width).zip(maxima.chunks_exact_mut(width));
-        for (&direction, (sums, maxima)) in directions.iter().zip(pooled).take(self.candidates) {
-            model.pool(&view, stance, direction, sums, maxima);
+        for (candidate, &direction) in directions.iter().enumerate().take(self.candidates) {
+            let (sums, maxima) =
+                (row_mut(sums, candidate, width), row_mut(maxima, candidate, width));
+            if let (Some(sums), Some(maxima)) = (sums, maxima) {
+                model.pool(&view, stance, direction, sums, maxima);
+            }
         }
     }
 
@@ -249,10 +252,11 @@ impl<'m, M: Memory> SoarNet<'m, M> {
             let seen = stances.iter().zip(sketches.iter().map(<[i8; SKETCH]>::as_slice));
             form.outlooks(seen.take(self.views), directions, outlooks);
         }
-        let pooled = sums.chunks_exact(width).zip(maxima.chunks_exact(width));
-        let candidates = directions.iter().zip(pooled).zip(outlooks).zip(ranks);
+        let candidates = directions.iter().zip(outlooks).zip(ranks).enumerate();
         let mut context = Context::default();
-        for (((&direction, (sums, maxima)), outlook), ranks) in candidates {
+        for (candidate, ((&direction, outlook), ranks)) in candidates {
+            let sums = row(sums, candidate, width).unwrap_or_default();
+            let maxima = row(maxima, candidate, width).unwrap_or_default();
             *ranks =
                 model.candidate_head(self.views, direction, sums, maxima, outlook, &mut context);
         }
@@ -269,6 +273,12 @@ impl<'m, M: Memory> SoarNet<'m, M> {
 fn row<T>(matrix: &[T], index: usize, width: usize) -> Option<&[T]> {
     let from = index.checked_mul(width)?;
     matrix.get(from..from.checked_add(width)?)
+}
+
+/// The same to be written.
+fn row_mut<T>(matrix: &mut [T], index: usize, width: usize) -> Option<&mut [T]> {
+    let from = index.checked_mul(width)?;
+    matrix.get_mut(from..from.checked_add(width)?)
 }
 
 impl<M: Memory> Scorer for SoarNet<'_, M> {
