@@ -67,7 +67,10 @@ pub fn panic_free(workspace: &Workspace) -> Result<()> {
         errors.contains(&format!("undefined symbol: {NOWHERE}")),
         "a firmware that can panic fails, but not for want of {NOWHERE}:\n{errors}"
     );
-    println!("planning, inference and snapshots: no way to panic; one put in on purpose is found");
+    println!(
+        "planning, inference, snapshots and the device behind a line: no way to panic; one put in on \
+         purpose is found"
+    );
     Ok(())
 }
 

@@ -43,7 +43,7 @@ Developer tasks of Vantage. Usage: cargo xtask <task>
                                    port, on a Cortex-M4F and a Cortex-M7 in QEMU; the plans, which
                                    must be this computer's, and what a step costs in instructions
   size [--json]                    what a device needs in flash, RAM and stack, against the budgets
-  panic-free                       show that planning and inference have no way to panic
+  panic-free                       show that planning, inference and the device have no way to panic
   bench kernels [--json]           count the kernels' instructions beside CMSIS-NN's, and time an
                                    encoding beside tract and onnxruntime; results are compared first
   header                           rewrite core/c/include/vantage.h from its sources

@@ -166,7 +166,7 @@ pub const STEPS: &[Step] = &[
     },
     Step {
         name: "panic-free",
-        about: "planning, inference and snapshots have no way to panic on a Cortex-M",
+        about: "planning, inference, snapshots and the device have no way to panic on a Cortex-M",
         slow: true,
         needs: &[Need::Thumbv7em],
         run: |workspace| footprint::panic_free(workspace).map(Outcome::passed),
