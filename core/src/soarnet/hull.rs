@@ -191,30 +191,117 @@ impl Hull {
         Voxel { centre: Vec3::new(middle(x), middle(y), middle(z)), normal, area }
     }
 
+    /// Where the hull ends, for [`is_open`](Self::is_open).
+    pub(super) fn bounds(&self) -> Bounds {
+        let (mut low, mut high) = (Vec3::splat(SIDE as f32), Vec3::ZERO);
+        for (place, &row) in self.rows.iter().enumerate().filter(|(_, row)| **row != 0) {
+            let (y, z) = (place as i32 % SIDE, place as i32 / SIDE);
+            let (first, last) =
+                (row.trailing_zeros() as i32, SIDE - 1 - row.leading_zeros() as i32);
+            let corner = |x: i32| Vec3::new(x as f32, y as f32, z as f32);
+            low = low.min(corner(first));
+            high = high.max(corner(last) + Vec3::ONE);
+        }
+        Bounds { low, high }
+    }
+
     /// Whether nothing of the hull stands between a surface voxel, given by its centre and normal, and
     /// a camera outside in `direction`, of unit length.
     ///
     /// Looks every 0.7 voxels along a line that begins 1.2 voxels above the centre. On a ball it takes
-    /// a place for hidden by its neighbours only beyond 76 degrees of incidence.
-    pub(super) fn is_open(&self, centre: Vec3, normal: Vec3, direction: Vec3) -> bool {
+    /// a place for hidden by its neighbours only beyond 76 degrees of incidence. `bounds` are the hull's
+    /// and change nothing but how long it takes.
+    pub(super) fn is_open(
+        &self,
+        bounds: &Bounds,
+        centre: Vec3,
+        normal: Vec3,
+        direction: Vec3,
+    ) -> bool {
         // What is thin has no outside of its own.
         let away = if normal == Vec3::ZERO { direction } else { normal };
         let begin = (centre + away * (1.2 * VOXEL) + Vec3::ONE) * (1.0 / VOXEL);
         let step = direction * 0.7;
         let mut place = begin + step * 0.5;
-        // It leaves the cube, whose diagonal is 55 voxels, after 80 steps at most.
-        for _ in 0..80 {
-            let inside = |at: f32| (0.0..SIDE as f32).contains(&at);
-            if !(inside(place.x) && inside(place.y) && inside(place.z)) {
+        // It leaves the cube, whose diagonal is 55 voxels, after 80 steps at most. The plain version:
+        //
+        //     80 times:
+        //         if place is outside the cube: open
+        //         if place is in the hull: not open
+        //         place += step
+        //     open
+        //
+        // Before it has left the hull's box it need not be asked whether it is inside the cube, and
+        // after it has, nothing is left to meet.
+        if !is_inside(place) {
+            return true;
+        }
+        let (within, beyond) = bounds.steps(place, step);
+        for _ in 0..within {
+            if self.holds(place) {
+                return false;
+            }
+            place += step;
+        }
+        for _ in within..beyond {
+            if !is_inside(place) {
                 return true;
             }
-            let row = self.row(place.y as i32, place.z as i32);
-            if row.wrapping_shr(place.x as u32) & 1 == 1 {
+            if self.holds(place) {
                 return false;
             }
             place += step;
         }
         true
+    }
+
+    /// Whether the voxel of a place is of the hull; any answer outside the cube.
+    fn holds(&self, place: Vec3) -> bool {
+        let [x, y, z] = place.to_array().map(|at| at as i32 as u32);
+        let row = y.wrapping_add(z << SIDE.trailing_zeros()) as usize % ROWS;
+        self.rows.get(row).is_some_and(|row| row.wrapping_shr(x) & 1 == 1)
+    }
+}
+
+/// Whether a place is in the cube, in voxel sides from its corner.
+fn is_inside(place: Vec3) -> bool {
+    place.to_array().into_iter().all(|at| (0.0..SIDE as f32).contains(&at))
+}
+
+/// The box that holds a hull; in voxel sides from the cube's corner.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bounds {
+    low: Vec3,
+    high: Vec3,
+}
+
+impl Bounds {
+    /// Of nothing.
+    pub(super) const NONE: Self = Self { low: Vec3::ZERO, high: Vec3::ZERO };
+
+    /// Of how many places from the first on a line is certainly inside the box by the sides ahead of
+    /// it, and after how many it is certainly outside; at most 80.
+    fn steps(&self, place: Vec3, step: Vec3) -> (i32, i32) {
+        // More than 80 additions are off by, of which each rounds to 2^-20 at most.
+        const SLACK: f32 = 1e-3;
+        let (mut within, mut beyond) = (80.0f32, 80.0f32);
+        let sides = self.low.to_array().into_iter().zip(self.high.to_array());
+        let line = place.to_array().into_iter().zip(step.to_array());
+        for ((low, high), (place, step)) in sides.zip(line) {
+            let inverse = 1.0 / step;
+            let ahead = if step < 0.0 { low } else { high };
+            // Along a side it is infinite, or on it no number, which is less than none.
+            let steps = (ahead - place) * inverse;
+            let slack = (SLACK * inverse).abs();
+            // Not `min`, which takes a call where no instruction does it.
+            if steps - slack < within {
+                within = steps - slack;
+            }
+            if steps + slack < beyond {
+                beyond = steps + slack;
+            }
+        }
+        ((within as i32).max(0), (beyond + 1.0) as i32)
     }
 }
 
@@ -355,6 +442,25 @@ pub(super) mod tests {
 
     fn holds(hull: &Hull, x: i32, y: i32, z: i32) -> bool {
         (0..SIDE).contains(&x) && hull.row(y, z) >> x & 1 == 1
+    }
+
+    /// The plain version of `is_open`.
+    fn plainly_open(hull: &Hull, centre: Vec3, normal: Vec3, direction: Vec3) -> bool {
+        let away = if normal == Vec3::ZERO { direction } else { normal };
+        let begin = (centre + away * (1.2 * VOXEL) + Vec3::ONE) * (1.0 / VOXEL);
+        let step = direction * 0.7;
+        let mut place = begin + step * 0.5;
+        for _ in 0..80 {
+            if !place.to_array().into_iter().all(|at| (0.0..SIDE as f32).contains(&at)) {
+                return true;
+            }
+            let [x, y, z] = place.to_array().map(|at| at as i32);
+            if holds(hull, x, y, z) {
+                return false;
+            }
+            place += step;
+        }
+        true
     }
 
     fn count(hull: &Hull) -> u32 {
@@ -513,6 +619,7 @@ pub(super) mod tests {
         let hulls = [(whole(), 0.0), (hull_of(&[BALL], 100), 2e-4), (hull_of(&[BALL], 12), 2e-3)];
         let least = 76f32.to_radians().cos();
         for (hull, most) in hulls {
+            let bounds = hull.bounds();
             let (mut front, mut hidden) = (0, 0);
             for voxel in hull.surface(|_, _, _| true) {
                 for stance in stances(60) {
@@ -520,7 +627,8 @@ pub(super) mod tests {
                     let cosine = towards.dot(voxel.normal);
                     if cosine > least {
                         front += 1;
-                        hidden += u32::from(!hull.is_open(voxel.centre, voxel.normal, towards));
+                        hidden +=
+                            u32::from(!hull.is_open(&bounds, voxel.centre, voxel.normal, towards));
                     }
                 }
             }
@@ -531,6 +639,7 @@ pub(super) mod tests {
     #[test]
     fn a_flat_sheet_is_open_to_both_sides() {
         let hull = sheet();
+        let bounds = hull.bounds();
         // The line begins at 1.2 + 0.35 voxels: at a lesser height than half a voxel still in the sheet.
         let least = 0.5 / 1.55;
         // Away from the edges, whose normals point outward.
@@ -539,7 +648,7 @@ pub(super) mod tests {
             assert_eq!((voxel.normal, voxel.area), (Vec3::ZERO, 1.0));
             for stance in stances(100) {
                 let towards = (Camera::eye_in(stance.direction) - voxel.centre).normalize();
-                let open = hull.is_open(voxel.centre, voxel.normal, towards);
+                let open = hull.is_open(&bounds, voxel.centre, voxel.normal, towards);
                 assert_eq!(open, towards.z.abs() > least, "{voxel:?} from {towards}");
             }
         }
@@ -548,10 +657,11 @@ pub(super) mod tests {
     #[test]
     fn one_ball_hides_the_other() {
         let hull = hull_of(&[Ball::new(-0.55, 0.0, 0.0, 0.3), Ball::new(0.55, 0.0, 0.0, 0.3)], 40);
+        let bounds = hull.bounds();
         let open = |from: core::ops::Range<f32>| {
             let facing = hull.surface(|_, _, _| true);
             let facing = facing.filter(|v| from.contains(&v.centre.x) && v.normal.x > 0.9);
-            facing.map(|v| hull.is_open(v.centre, v.normal, Vec3::X)).collect::<Vec<_>>()
+            facing.map(|v| hull.is_open(&bounds, v.centre, v.normal, Vec3::X)).collect::<Vec<_>>()
         };
         let (inner, outer) = (open(-0.4..-0.1), open(0.7..1.0));
         assert!(inner.len() > 5 && outer.len() > 5, "{} {}", inner.len(), outer.len());
@@ -622,6 +732,31 @@ pub(super) mod tests {
         }
 
         #[test]
+        fn a_line_is_as_open_as_by_its_definition(
+            sketches in prop::collection::vec((any_stance(), any_sketch()), 0..4),
+            eyes in prop::collection::vec(any_stance(), 20),
+        ) {
+            let mut hull = whole();
+            for (stance, sketch) in &sketches {
+                if let Some(camera) = Camera::try_new(stance) {
+                    hull.carve(&camera, sketch);
+                }
+            }
+            let bounds = hull.bounds();
+            for voxel in hull.surface(|x, y, z| (x + 3 * y + 5 * z) % 3 == 0) {
+                let axes = [Vec3::X, Vec3::Y, Vec3::Z, Vec3::NEG_X, Vec3::NEG_Y, Vec3::NEG_Z];
+                // As near to a side as a line can come: its length is in units of 2^-14.
+                let near = Vec3::new(3.0, 1.0 / 16384.0, -1.0 / 16384.0);
+                let eyes = eyes.iter().map(|eye| Camera::eye_in(eye.direction) - voxel.centre);
+                for towards in eyes.chain(axes).chain([near]).map(|towards| towards.normalize()) {
+                    let open = hull.is_open(&bounds, voxel.centre, voxel.normal, towards);
+                    let plain = plainly_open(&hull, voxel.centre, voxel.normal, towards);
+                    prop_assert_eq!(open, plain, "{:?} {}", voxel, towards);
+                }
+            }
+        }
+
+        #[test]
         fn a_place_is_open_where_a_line_of_small_steps_meets_no_voxel(
             sketches in prop::collection::vec((any_stance(), any_sketch()), 1..3),
             eye in any_stance(),
@@ -632,6 +767,7 @@ pub(super) mod tests {
                     hull.carve(&camera, sketch);
                 }
             }
+            let bounds = hull.bounds();
             for voxel in hull.surface(|x, y, z| (x + 3 * y + 5 * z) % 17 == 0) {
                 let towards = (Camera::eye_in(eye.direction) - voxel.centre).normalize();
                 if towards.dot(voxel.normal) <= 0.0 {
@@ -648,7 +784,7 @@ pub(super) mod tests {
                     inside = if holds(&hull, x, y, z) { inside + 1 } else { 0 };
                     longest = longest.max(inside);
                 }
-                let open = hull.is_open(voxel.centre, voxel.normal, towards);
+                let open = hull.is_open(&bounds, voxel.centre, voxel.normal, towards);
                 // A run as long as a step cannot be stepped over.
                 if longest == 0 {
                     prop_assert!(open);

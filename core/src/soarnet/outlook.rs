@@ -32,7 +32,7 @@
 use glam::Vec3;
 
 use super::features::{Direction, Stance};
-use super::hull::{Camera, Hull};
+use super::hull::{Bounds, Camera, Hull};
 use super::image::{COVER, DETAIL};
 use crate::math;
 use crate::objectives::inlier_weight;
@@ -100,18 +100,26 @@ impl Rays {
 
 /// A number in whole units of `1 / units`, halves up.
 fn fixed(value: f32, units: f32) -> i32 {
-    math::floor(value * units + 0.5) as i32
+    let value = value * units + 0.5;
+    // As `floor(value) as i32`, which takes a call where no instruction rounds down.
+    let towards_zero = value as i32;
+    towards_zero.saturating_sub(i32::from(towards_zero as f32 > value))
 }
 
 /// How a spot is seen from a camera: the direction to it, the cosine of incidence and the weight of
 /// the sight; `None` if it is not.
-fn sight(hull: &Hull, spot: &Spot, eye: Vec3) -> Option<(Vec3, f32, i32)> {
+#[inline]
+fn sight(hull: &Hull, bounds: &Bounds, spot: &Spot, eye: Vec3) -> Option<(Vec3, f32, i32)> {
     let towards = eye - spot.centre;
-    let direction = towards * math::inverse_sqrt(towards.length_squared());
     // What is thin is seen squarely from everywhere.
     let thin = spot.normal == Vec3::ZERO;
+    // Away from the camera by more than what is rounded: the cosine below is negative.
+    if !thin && towards.dot(spot.normal) < -1e-3 {
+        return None;
+    }
+    let direction = towards * math::inverse_sqrt(towards.length_squared());
     let cosine = if thin { 1.0 } else { direction.dot(spot.normal) };
-    let open = cosine > 0.0 && hull.is_open(spot.centre, spot.normal, direction);
+    let open = cosine > 0.0 && hull.is_open(bounds, spot.centre, spot.normal, direction);
     open.then(|| (direction, cosine, fixed(2.0 * cosine, WHOLE as f32).min(WHOLE)))
 }
 
@@ -120,13 +128,14 @@ fn sight(hull: &Hull, spot: &Spot, eye: Vec3) -> Option<(Vec3, f32, i32)> {
 #[derive(Clone, Debug)]
 pub struct Form {
     hull: Hull,
+    bounds: Bounds, // of the hull, once its spots have been spread
     spots: heapless::Vec<Spot, SPOTS>,
 }
 
 impl Form {
     /// Empty, at no cost of flash in a `static`.
     pub const fn new() -> Self {
-        Self { hull: Hull::new(), spots: heapless::Vec::new() }
+        Self { hull: Hull::new(), bounds: Bounds::NONE, spots: heapless::Vec::new() }
     }
 
     /// As before the first photo.
@@ -171,6 +180,7 @@ impl Form {
             let place = place.wrapping_add(y.wrapping_mul(0xabc9_8388));
             u64::from(place.wrapping_add(z.wrapping_mul(0x8cb9_2ba7))) < share
         };
+        self.bounds = self.hull.bounds();
         self.spots.clear();
         for voxel in self.hull.surface(on_lattice) {
             let (centre, normal, area) = (voxel.centre, voxel.normal, fixed(voxel.area, 256.0));
@@ -181,7 +191,9 @@ impl Form {
         }
         for (camera, sketch) in views {
             for spot in &mut self.spots {
-                let Some((direction, cosine, weight)) = sight(&self.hull, spot, camera.eye) else {
+                let Some((direction, cosine, weight)) =
+                    sight(&self.hull, &self.bounds, spot, camera.eye)
+                else {
                     continue;
                 };
                 spot.best = spot.best.max(weight);
@@ -222,7 +234,10 @@ impl Form {
         for spot in &self.spots {
             let area = i64::from(spot.area);
             all += area;
-            let Some((direction, cosine, weight)) = sight(&self.hull, spot, eye) else { continue };
+            let Some((direction, cosine, weight)) = sight(&self.hull, &self.bounds, spot, eye)
+            else {
+                continue;
+            };
             let mut rays = spot.rays;
             rays.add(direction, cosine);
             let [half, quarter] = spot.discount.map(i64::from);
@@ -372,6 +387,18 @@ mod tests {
     }
 
     #[test]
+    fn fixed_numbers_are_rounded_down_after_a_half_is_added() {
+        let wide = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 3e9, -3e9, 2147483520.0, -0.0];
+        let near = (-2000..2000).map(|at| at as f32 / 256.0);
+        for value in near.flat_map(|at| [at.next_down(), at, at.next_up()]).chain(wide) {
+            for units in [1.0, 256.0, 65_536.0] {
+                let expected = (value * units + 0.5).floor() as i32;
+                assert_eq!(fixed(value, units), expected, "{value} {units}");
+            }
+        }
+    }
+
+    #[test]
     fn a_large_surface_has_about_384_spots_and_a_small_one_all_its_voxels() {
         let mut small = 0;
         for views in 1..40 {
@@ -436,7 +463,7 @@ mod tests {
             assert_eq!(thin.clone().count(), 12 * 12);
             for spot in thin {
                 assert_eq!((spot.best, spot.rays.count), (WHOLE, 1));
-                let other = sight(&form.hull, spot, cameras[1 - side].eye).unwrap();
+                let other = sight(&form.hull, &form.bounds, spot, cameras[1 - side].eye).unwrap();
                 assert_eq!((other.1, other.2), (1.0, WHOLE));
             }
         }
@@ -471,7 +498,7 @@ mod tests {
             for spot in &form.spots {
                 // Sights as the code has them: `is_open` has its own test.
                 let see = |eye: Vec3| {
-                    sight(&form.hull, spot, eye)?;
+                    sight(&form.hull, &form.bounds, spot, eye)?;
                     let ray = (double(eye) - double(spot.centre)).normalize();
                     Some((ray, ray.dot(double(spot.normal).normalize())))
                 };
