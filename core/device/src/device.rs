@@ -347,10 +347,15 @@ impl<'a, F: NorFlash, const C: usize, const V: usize, const B: usize> Desk<'a, F
         self.took(opened, buffer)
     }
 
-    /// Takes on a snapshot from the buffer.
+    /// Takes on a snapshot from the buffer. What is no snapshot of this model or too large is refused
+    /// before the present session is given up; one with unsound records only after it, which then comes
+    /// back from flash.
     fn restore(&mut self, transfer: Transfer, buffer: &mut [u8]) -> Result<(), Refusal> {
         let bytes = transferred(transfer, buffer)?;
         let contents = self.contents(bytes)?;
+        if contents.candidates().nth(C).is_some() || contents.plan().budget() > V {
+            return Err(Refusal::Snapshot(SnapshotError::TooLarge));
+        }
         self.session = None;
         let opened = self.reopen(bytes, &contents);
         self.took(opened, buffer)
@@ -365,6 +370,7 @@ impl<'a, F: NorFlash, const C: usize, const V: usize, const B: usize> Desk<'a, F
         let result = opened.map(|session| self.session = Some(session));
         if result.is_err() {
             self.history = History::default();
+            self.kept = Kept::Nothing;
             self.load(buffer);
         }
         result

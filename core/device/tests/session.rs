@@ -698,6 +698,29 @@ fn a_snapshot_moves_to_another_device_and_one_of_another_model_is_refused() {
 }
 
 #[test]
+fn a_snapshot_that_is_too_large_is_refused_whatever_the_flash_holds() {
+    let mut memory = soarnet::Fixed::<{ CANDIDATES + 1 }, { VIEWS + 1 }>::new();
+    let mut snapshot = |candidates: usize, budget: usize| {
+        let pool = Pool::try_new(ViewSpace::FibonacciSphere, candidates, 3.0).unwrap();
+        let model = Model::parse(POSES).unwrap();
+        let scorer = SoarNet::try_new(model, &mut memory, Vec3::ZERO, pool.iter()).unwrap();
+        let lists = planner::Fixed::<{ CANDIDATES + 1 }, { VIEWS + 1 }>::new();
+        let plan = Plan::ensemble(budget);
+        let session = Session::try_new(lists, pool.iter(), scorer, plan).unwrap();
+        let mut bytes = vec![0; BUFFER];
+        let length = session.snapshot(&mut bytes).unwrap();
+        bytes.truncate(length);
+        bytes
+    };
+    let mut client = opened(POSES);
+    client.line_mut().flash.0.borrow_mut().bytes.fill(0);
+    for snapshot in [snapshot(CANDIDATES + 1, VIEWS), snapshot(CANDIDATES, VIEWS + 1)] {
+        let refused = refusal(&mut client, |client| client.restore(77, &snapshot));
+        assert_eq!(refused, Refusal::Snapshot(SnapshotError::TooLarge));
+    }
+}
+
+#[test]
 fn a_model_of_another_version_is_told_and_the_line_stays_open() {
     let mut file = POSES.to_vec();
     file[4] = 99;
