@@ -8,7 +8,8 @@ import { PLAIN, FOV_X_RAD } from "./layout.js";
 import { lensOf, radians } from "./geometry.js";
 import { type Event, type Screen, type State, canTake, initial, next } from "./state.js";
 import type { Simulation } from "./simulation.js";
-import type { LiveCapture } from "./camera/live.js";
+import type { LiveCapture, LiveSource } from "./camera/live.js";
+import { offersAr } from "./camera/xr/offered.js";
 
 /** Candidates and photos of a simulated capture. */
 const SIMULATED = { count: 100, budget: 20, side: 512 };
@@ -63,6 +64,7 @@ export class App {
   go = (screen: Screen): void => {
     if (this.state.screen === "camera" && screen !== "camera") this.live?.stop();
     if (screen === "home") void this.open();
+    if (screen === "setup") void offersAr().then((hasAr) => this.dispatch({ type: "sensed", hasAr }));
     this.stop();
     this.dispatch({ type: "went", screen });
     scrollTo(0, 0);
@@ -247,7 +249,7 @@ export class App {
     });
 
   /** Opens the camera for a new capture, or to go on with the one there is. */
-  startCamera = (source: "board" | "orientation", isNew: boolean): Promise<void> => {
+  startCamera = (source: LiveSource, isNew: boolean): Promise<void> => {
     if (isNew && !this.mayReplace()) return Promise.resolve();
     return this.doing("Starting the camera", async () => {
       const { LiveCapture } = await import("./camera/live.js");

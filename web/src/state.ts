@@ -1,6 +1,7 @@
 // The page's state and how events change it. No DOM in here.
 
 import type { Guide } from "./camera/hints.js";
+import type { Aim } from "./camera/xr/placing.js";
 import type { CaptureView, Engine, ImportReport, Kept, Parcel, Tracked } from "./messages.js";
 import type { PoseSource } from "./record.js";
 
@@ -23,6 +24,8 @@ export type Live = {
   flashes: number;
   isAutomatic: boolean;
   isSpoken: boolean;
+  /** Without a board: the object of this size is being placed, and was aimed at once already. */
+  placing: { objectM: number; aim: Aim | null } | null;
 };
 
 export type State = {
@@ -46,6 +49,8 @@ export type State = {
   report: ImportReport | null;
   board: BoardChoice;
   live: Live;
+  /** Whether the browser offers AR with its own tracking. */
+  hasAr: boolean;
   isOffline: boolean;
 };
 
@@ -71,6 +76,7 @@ export type Event =
   | { type: "reported"; report: ImportReport }
   | { type: "boarded"; board: Partial<BoardChoice> }
   | { type: "lived"; live: Partial<Live> }
+  | { type: "sensed"; hasAr: boolean }
   | { type: "connected"; isOffline: boolean };
 
 export const initial: State = {
@@ -89,7 +95,8 @@ export const initial: State = {
   parcel: null,
   report: null,
   board: { page: "a4", objectM: 0.1, svgUrl: null },
-  live: { source: "board", size: null, tracked: null, guide: null, steady: 0, flashes: 0, isAutomatic: true, isSpoken: false },
+  live: { source: "board", size: null, tracked: null, guide: null, steady: 0, flashes: 0, isAutomatic: true, isSpoken: false, placing: null },
+  hasAr: false,
   isOffline: false,
 };
 
@@ -132,6 +139,8 @@ export function next(state: State, event: Event): State {
       return { ...state, board: { ...state.board, ...event.board } };
     case "lived":
       return { ...state, live: { ...state.live, ...event.live } };
+    case "sensed":
+      return { ...state, hasAr: event.hasAr };
     case "connected":
       return { ...state, isOffline: event.isOffline };
   }

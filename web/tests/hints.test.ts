@@ -14,7 +14,7 @@ const stand = (azimuth: number, elevation: number, factor = 1): Float32Array => 
   return lookingAt(add(layout.centre, scale(out, factor * layout.distance)), layout.centre);
 };
 const fine: Reading = {
-  pose: stand(0, 30), lens, usualSharpness: 1, speedRadS: 0.1, isAmbiguous: false,
+  source: "board", pose: stand(0, 30), lens, usualSharpness: 1, speedRadS: 0.1, isAmbiguous: false,
   quality: { sharpness: 1, meanLuma: 120, darkShare: 0.1, brightShare: 0.01 },
 };
 const names = (reading: Partial<Reading>): string[] => guide({ ...fine, ...reading }, stand(0, 30), layout).hints.map((hint) => hint.name);

@@ -6,7 +6,7 @@ import {
   toCamera, unit, up,
 } from "../geometry.js";
 import type { Layout } from "../layout.js";
-import type { Quality } from "../record.js";
+import type { PoseSource, Quality } from "../record.js";
 
 /** A target is reached within this angle about the object: candidates lie about 13° apart, and the pose really
  *  reached is what counts. */
@@ -25,7 +25,16 @@ const OFF_CENTRE = 0.3;
 export type Hint = { level: "warn" | "stop"; name: HintName; text: string };
 export type HintName = "lost" | "dark" | "bright" | "blurred" | "fast" | "close" | "far" | "aim" | "ambiguous";
 
+const NO_BOARD = "The board is not in view. Show at least two whole tags.";
+/** What to do where a source tells no pose. */
+export const LOST: Record<PoseSource, string> = {
+  board: NO_BOARD, simulated: NO_BOARD, file: NO_BOARD,
+  webxr: "Tracking is lost. Move slowly, and show something lit and patterned.",
+  orientation: "The orientation sensor is silent. Turn the phone a little.",
+};
+
 export type Reading = {
+  source: PoseSource;
   pose: Pose | null;
   lens: Lens;
   quality: Quality | null;
@@ -51,7 +60,7 @@ export function guide(reading: Reading, goal: Pose | null, layout: Layout): Guid
   const { pose } = reading;
   if (pose === null) {
     // Last, since the others are causes: in the dark, or blurred, no board is found.
-    hints.push({ level: "stop", name: "lost", text: "The board is not in view. Show at least two whole tags." });
+    hints.push({ level: "stop", name: "lost", text: LOST[reading.source] });
     return { target: null, toGoRad: null, isInZone: false, hints, isReady: false };
   }
   hints.push(...place(reading, pose, layout));

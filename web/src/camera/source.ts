@@ -7,14 +7,19 @@ import { type Lens, type Vec3, add, fromAxes, lensOf, radians, scale } from "../
 import type { Layout } from "../layout.js";
 import type { Tracked } from "../messages.js";
 import type { PoseSource as Kind } from "../record.js";
+import type { Video } from "./video.js";
 
 /** A phone's usual horizontal field of view, where nothing better is known. */
 const USUAL_FOV_RAD = radians(64);
 
 export interface PoseSource {
   readonly kind: Kind;
-  /** Looks at a frame, which is handed over; what it found belongs to that very frame. */
-  read(frame: ImageBitmap): Promise<Tracked>;
+  /** What shows the camera's picture; null where the system does, behind the page. */
+  readonly picture: HTMLElement | null;
+  /** Of a frame, pixels. */
+  readonly size: { width: number; height: number };
+  /** Waits for the next frame and looks at it, if it is still wanted then; what was found belongs to that very frame. */
+  next(isWanted: () => boolean): Promise<Tracked | null>;
   stop(): void;
 }
 
@@ -27,35 +32,48 @@ const focal = (pixels: number): { fx: number; fy: number } => ({ fx: pixels, fy:
 /** Poses from the printed board: six degrees of freedom, metric. */
 export class BoardSource implements PoseSource {
   readonly kind = "board";
-  constructor(private client: Client) {}
+  readonly picture: HTMLElement;
 
-  async read(frame: ImageBitmap): Promise<Tracked> {
-    return (await this.client.ask({ type: "track", spec: BOARD, frame }, [frame])).tracked;
+  constructor(private client: Client, private video: Video) {
+    this.picture = video.element;
   }
 
-  stop(): void {}
+  get size(): { width: number; height: number } {
+    return this.video.size;
+  }
+
+  async next(isWanted: () => boolean): Promise<Tracked | null> {
+    const frame = await this.video.next(isWanted);
+    return frame && (await this.client.ask({ type: "track", spec: BOARD, frame }, [frame])).tracked;
+  }
+
+  stop(): void {
+    this.video.stop();
+  }
 }
 
 /** Only which way the camera looks: the distance to the object is assumed, and said to be. */
 export class OrientationSource implements PoseSource {
   readonly kind = "orientation";
+  readonly picture: HTMLElement;
   private latest: { alpha: number; beta: number; gamma: number } | null = null;
   private listen = ({ alpha, beta, gamma }: DeviceOrientationEvent): void => {
     if (alpha !== null && beta !== null && gamma !== null) this.latest = { alpha, beta, gamma };
   };
 
-  private constructor(private client: Client, private layout: Layout) {
+  private constructor(private client: Client, private video: Video, private layout: Layout) {
+    this.picture = video.element;
     window.addEventListener("deviceorientation", this.listen);
   }
 
   /** Must be called from a tap: iOS asks for permission. */
-  static async open(client: Client, layout: Layout): Promise<OrientationSource> {
+  static async open(client: Client, video: Video, layout: Layout): Promise<OrientationSource> {
     const events = globalThis.DeviceOrientationEvent as (typeof DeviceOrientationEvent & { requestPermission?: () => Promise<string> }) | undefined;
     if (!events) throw new Advice("This device has no orientation sensor. Print the board instead: it works everywhere.");
     if (events.requestPermission && (await events.requestPermission()) !== "granted") {
       throw new Advice("The orientation sensor was refused. Allow motion access for this page, or print the board instead.");
     }
-    const source = new OrientationSource(client, layout);
+    const source = new OrientationSource(client, video, layout);
     for (let waited = 0; source.latest === null && waited < 1500; waited += 50) {
       await new Promise((resolve) => setTimeout(resolve, 50));
     }
@@ -66,7 +84,13 @@ export class OrientationSource implements PoseSource {
     return source;
   }
 
-  async read(frame: ImageBitmap): Promise<Tracked> {
+  get size(): { width: number; height: number } {
+    return this.video.size;
+  }
+
+  async next(isWanted: () => boolean): Promise<Tracked | null> {
+    const frame = await this.video.next(isWanted);
+    if (!frame) return null;
     const lens = assumedLens(frame.width, frame.height);
     const { tracked } = await this.client.ask({ type: "track", spec: null, frame }, [frame]);
     if (this.latest === null) return tracked;
@@ -75,6 +99,7 @@ export class OrientationSource implements PoseSource {
   }
 
   stop(): void {
+    this.video.stop();
     window.removeEventListener("deviceorientation", this.listen);
   }
 }

@@ -8,16 +8,18 @@ import type { CaptureView } from "../messages.js";
 import { TRUST } from "../record.js";
 import type { Live, State } from "../state.js";
 import { way } from "../words.js";
+import { placing } from "./placing.js";
 import { guidance, outlook, room, sceneOf, strip, turnableDome } from "./parts.js";
 
 export function camera(state: State, app: App): TemplateResult {
   const { view, live } = state;
+  if (app.live && live.placing) return placing(state, live.placing, app);
   if (!view || !app.live) return html`<section class="panel narrow"><h1 tabindex="-1">The camera is off</h1><button type="button" class="main" @click=${() => app.go("setup")}>Set up a capture</button></section>`;
   const { width, height } = live.size ?? { width: 4, height: 3 };
   return html`
     <section class="panel live" aria-label="Camera">
       <div class="stagebox ${live.guide?.isReady ? "ready" : ""}">
-        ${app.live.video}
+        ${app.live.picture}
         <svg class="overlay" viewBox="0 0 ${width} ${height}" aria-hidden="true">${overlay(live, width, height)}</svg>
         ${live.flashes > 0 ? html`<div class="flash ${live.flashes % 2 === 0 ? "even" : "odd"}"></div>` : nothing}
         ${hint(live)}
@@ -29,7 +31,7 @@ export function camera(state: State, app: App): TemplateResult {
       <div class="shutterrow">
         <button type="button" ?disabled=${state.busy !== null || !view.next} @click=${app.block}>Can’t get there</button>
         <button type="button" class="shutter" ?disabled=${state.busy !== null} @click=${app.live.shoot} aria-label="Take a photo now"><span></span></button>
-        <button type="button" ?disabled=${view.record.photos.length === 0} @click=${() => app.go("review")}>Review (${view.record.photos.length})</button>
+        <button type="button" ?disabled=${view.record.photos.length === 0} @click=${() => app.go("review")}>${live.source === "webxr" ? "Finish" : "Review"} (${view.record.photos.length})</button>
       </div>
       <div class="toggles">
         <label><input type="checkbox" .checked=${live.isAutomatic} @change=${toggle(app, "isAutomatic")} /> Take photos by itself</label>
@@ -63,9 +65,9 @@ function lensWords({ source, tracked }: Live): string {
 }
 
 /** The one line: what to do now. */
-export function instruction(view: CaptureView, { guide, tracked }: Live): string {
+export function instruction(view: CaptureView, { guide, tracked, source }: Live): string {
   if (!view.next) return "You can stop here";
-  if (!guide || !tracked?.pose) return "Point at the board";
+  if (!guide || !tracked?.pose) return source === "webxr" ? "Look around slowly" : "Point at the board";
   if (guide.isInZone) return guide.isReady ? "Hold still…" : "You are there";
   const from = directionOf(view.record.layout, position(tracked.pose));
   // Coarse, so that it can be read, and read out, while the camera moves.

@@ -13,8 +13,8 @@ const SIZES: readonly { metres: number; text: string }[] = [
 ];
 
 export function setup(state: State, app: App): TemplateResult {
-  const { board, busy, view, engine } = state;
-  const canGoOn = view?.record.subject.kind === "camera" && view.record.photos.length > 0;
+  const { board, busy, view, engine, hasAr } = state;
+  const source = view && view.record.photos.length > 0 && view.record.subject.kind === "camera" ? view.record.subject.source : null;
   const isIdle = busy === null && engine !== null;
   return html`
     <ol class="steps">
@@ -38,8 +38,11 @@ export function setup(state: State, app: App): TemplateResult {
         <p>Bring the ring into the middle. The photo is taken when you are there and hold still.</p>
         <div class="actions">
           <button type="button" class="main" ?disabled=${!isIdle} @click=${() => app.startCamera("board", true)}>Start the camera</button>
-          ${canGoOn ? html`<button type="button" ?disabled=${!isIdle} @click=${() => app.startCamera(view.record.subject.kind === "camera" && view.record.subject.source === "orientation" ? "orientation" : "board", false)}>Go on with ${view.record.photos.length} photos</button>` : nothing}
+          ${source === null || source === "webxr" ? nothing : html`<button type="button" ?disabled=${!isIdle} @click=${() => app.startCamera(source === "orientation" ? source : "board", false)}>Go on with ${view?.record.photos.length} photos</button>`}
         </div>
+        ${source === "webxr" ? html`<p class="hint">The phone’s tracking begins anew each time, so no photo can be added to the capture that you have. Save that first.</p>` : nothing}
+        ${hasAr ? html`<p><b>${TRUST.webxr.title}.</b> No board: the phone follows itself (${TRUST.webxr.trust}). You aim at the object’s middle from two sides, then follow the arrow. All in one go: leaving the camera ends it.</p>
+          <button type="button" ?disabled=${!isIdle} @click=${() => app.startCamera("webxr", true)}>Start in AR, without a board</button>` : nothing}
         <details><summary>No printer?</summary>
           <p><b>${TRUST.orientation.title}.</b> The phone’s own sensor tells which way it looks: ${TRUST.orientation.trust}.</p>
           <button type="button" ?disabled=${!isIdle} @click=${() => app.startCamera("orientation", true)}>Start without a board</button>

@@ -19,7 +19,7 @@ export function view(state: State, app: App): TemplateResult {
       </button>
       <p>${place(state)}</p>
     </header>
-    <main class=${state.screen}>${state.failure === null ? screen(state, app) : broken(state.failure)}</main>
+    <main class=${isAr(state) ? "camera ar" : state.screen}>${state.failure === null ? screen(state, app) : broken(state.failure)}</main>
     <div class="notices">
       <p class="busy" role="status">${state.busy === null || state.isRunning ? nothing : html`${state.busy}…`}</p>
       <div role="alert">${state.notice === null ? nothing : html`<p class="notice ${state.notice.level}">
@@ -45,6 +45,9 @@ function screen(state: State, app: App): TemplateResult {
       return importing(state, app);
   }
 }
+
+/** Whether the system shows the camera's picture behind the page. */
+const isAr = ({ screen, live }: State): boolean => screen === "camera" && live.source === "webxr";
 
 /** Where things are kept, said in the header. */
 function place({ engine, isOffline }: State): string {
