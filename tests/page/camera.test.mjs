@@ -7,7 +7,7 @@ import { existsSync, readFileSync } from "node:fs";
 import { join } from "node:path";
 import { after, before, describe, test } from "node:test";
 
-import { browse, DIST, idle, open, OUT, save, serve } from "./harness.mjs";
+import { browse, DIST, idle, inspect, open, OUT, save, serve } from "./harness.mjs";
 import { readZip } from "./zips.mjs";
 
 const film = process.env.VANTAGE_FILM ?? join(OUT, "film.y4m");
@@ -72,8 +72,10 @@ describe("a capture by the board, with a film as camera", { skip: existsSync(fil
       await page.waitForTimeout(600);
     }
     await idle(page);
-    await page.setViewportSize({ width: 1280, height: 860 });
-    await page.screenshot({ path: join(OUT, "camera-1280.png"), fullPage: true });
+  });
+
+  test("the screen suits eyes, ears and small phones", async () => {
+    await inspect(browser.page, "camera");
   });
 
   test("the saved poses are those of the film's camera", async () => {

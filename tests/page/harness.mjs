@@ -1,7 +1,9 @@
 // A browser with the built page in it: a file server, Chromium, and what tests ask of both.
 
-import { createReadStream, existsSync, mkdirSync, mkdtempSync, rmSync, statSync } from "node:fs";
+import assert from "node:assert/strict";
+import { createReadStream, existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, statSync } from "node:fs";
 import { createServer } from "node:http";
+import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { dirname, extname, join, normalize } from "node:path";
 import { fileURLToPath } from "node:url";
@@ -13,6 +15,7 @@ const HERE = dirname(fileURLToPath(import.meta.url));
 export const DIST = process.env.VANTAGE_DIST ?? join(HERE, "../../web/dist");
 export const OUT = process.env.VANTAGE_OUT ?? join(HERE, "out");
 mkdirSync(OUT, { recursive: true });
+const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 
 const TYPES = {
   ".html": "text/html; charset=utf-8", ".js": "text/javascript; charset=utf-8", ".mjs": "text/javascript; charset=utf-8",
@@ -107,4 +110,28 @@ export async function save(page, name) {
   const path = join(OUT, name);
   await download.saveAs(path);
   return path;
+}
+
+/** Whatever a screen reader or a keyboard would stumble over. */
+async function checkAxe(page, screen) {
+  await page.evaluate(axe);
+  const { violations } = await page.evaluate(() => globalThis.axe.run(document, { resultTypes: ["violations"] }));
+  const words = violations.map(({ id, nodes }) => `${id}: ${nodes.map((node) => node.html).join(" | ")}`);
+  assert.deepEqual(words, [], `${screen}: axe`);
+}
+
+/** The screen at the width of a small phone and of a laptop, in light and dark; checked and drawn. */
+export async function inspect(page, screen, viewport = { width: 1280, height: 860 }) {
+  for (const [width, height] of [[360, 740], [1280, 860]]) {
+    await page.setViewportSize({ width, height });
+    for (const colorScheme of ["light", "dark"]) {
+      await page.emulateMedia({ colorScheme, reducedMotion: "reduce" });
+      if (width === 360 || colorScheme === "dark") await checkAxe(page, `${screen}, ${width} px, ${colorScheme}`);
+      const overhang = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+      assert.ok(overhang <= 0, `${screen} is ${overhang} px too wide at ${width} px`);
+      await page.screenshot({ path: join(OUT, `${screen}-${width}-${colorScheme}.png`), fullPage: true });
+    }
+  }
+  await page.emulateMedia({ colorScheme: "light", reducedMotion: "reduce" });
+  await page.setViewportSize(viewport);
 }

@@ -3,42 +3,16 @@
 
 import assert from "node:assert/strict";
 import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
-import { createRequire } from "node:module";
 import { dirname, join } from "node:path";
 import { after, before, describe, test } from "node:test";
 
-import { beginSimulation, browse, DIST, idle, open, OUT, save, serve, take } from "./harness.mjs";
+import { beginSimulation, browse, DIST, idle, inspect, open, OUT, save, serve, take } from "./harness.mjs";
 import { pyramid } from "./models.mjs";
 import { editZip, readZip, smallPng } from "./zips.mjs";
-
-const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 
 let server;
 before(async () => { server = await serve({ "/": DIST }); });
 after(() => server.close());
-
-/** Whatever a screen reader or a keyboard would stumble over. */
-async function checkAxe(page, screen) {
-  await page.evaluate(axe);
-  const { violations } = await page.evaluate(() => globalThis.axe.run(document, { resultTypes: ["violations"] }));
-  const words = violations.map(({ id, nodes }) => `${id}: ${nodes.map((node) => node.html).join(" | ")}`);
-  assert.deepEqual(words, [], `${screen}: axe`);
-}
-
-/** The screen at the width of a small phone and of a laptop, in light and dark; checked and drawn. */
-async function inspect(page, screen) {
-  for (const [width, height] of [[360, 740], [1280, 860]]) {
-    await page.setViewportSize({ width, height });
-    for (const colorScheme of ["light", "dark"]) {
-      await page.emulateMedia({ colorScheme, reducedMotion: "reduce" });
-      if (width === 360 || colorScheme === "dark") await checkAxe(page, `${screen}, ${width} px, ${colorScheme}`);
-      const overhang = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
-      assert.ok(overhang <= 0, `${screen} is ${overhang} px too wide at ${width} px`);
-      await page.screenshot({ path: join(OUT, `${screen}-${width}-${colorScheme}.png`), fullPage: true });
-    }
-  }
-  await page.emulateMedia({ colorScheme: "light", reducedMotion: "reduce" });
-}
 
 const notice = (page) => page.locator(".notice span").textContent();
 

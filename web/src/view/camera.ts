@@ -25,7 +25,7 @@ export function camera(state: State, app: App): TemplateResult {
         ${hint(live)}
       </div>
       <div class="say">
-        <h1 tabindex="-1" role="status" aria-live="polite">${instruction(view, live)}</h1>
+        <h1 tabindex="-1" aria-live="polite">${instruction(view, live)}</h1>
         <p>${guidance(view)}</p>
       </div>
       <div class="shutterrow">

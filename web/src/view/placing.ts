@@ -16,7 +16,7 @@ export function placing(state: State, { aim }: NonNullable<Live["placing"]>, app
         ${isLost ? html`<p class="tip stop" data-hint="lost" role="status">${LOST.webxr}</p>` : nothing}
       </div>
       <div class="say">
-        <h1 tabindex="-1" role="status" aria-live="polite">${aim === null ? "Aim at the object’s middle" : "And once more, from a quarter round"}</h1>
+        <h1 tabindex="-1" aria-live="polite">${aim === null ? "Aim at the object’s middle" : "And once more, from a quarter round"}</h1>
         <p>${aim === null
           ? "Stand where you would photograph it, the cross on its middle. Nothing may move from now on."
           : "Walk a quarter round the object and put the cross on the same middle."}</p>
