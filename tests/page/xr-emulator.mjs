@@ -1,5 +1,5 @@
 // A phone in AR, emulated: iwer (WebXR in JavaScript) for sessions and poses. What iwer lacks is added
-// here: the camera's picture (`camera-access`), and tracking that gets lost.
+// here: the camera's picture (`camera-access`), the DOM overlay's style, and tracking that gets lost.
 
 import { createRequire } from "node:module";
 
@@ -32,16 +32,22 @@ function install({ features, refusal, fovY }) {
     { fovy: fovY, ipd: 0 },
   );
   device.installRuntime({ forceInstall: true });
-  // Behind the page, as a phone's camera picture is; iwer has no DOM overlay.
+  // Behind the page, as a phone's camera picture is.
   device.canvasContainer.style.zIndex = "-1";
+  device.canvasContainer.style.background = "#8a7a66";
   device.canvasContainer.setAttribute("aria-hidden", "true"); // a real session's canvas is not in the page
   const phone = { device, session: null, isLost: false, pictures: 0 };
   globalThis.phone = phone;
 
   const requestSession = navigator.xr.requestSession.bind(navigator.xr);
-  navigator.xr.requestSession = async (...given) => {
+  navigator.xr.requestSession = async (mode, options) => {
     if (refusal) throw new DOMException("", refusal);
-    phone.session = await requestSession(...given);
+    phone.session = await requestSession(mode, options);
+    // How browsers style the overlay's root (WebXR DOM Overlays, section 4.1).
+    const { root } = options.domOverlay;
+    const style = { position: "fixed", inset: "0", overflow: "auto", contain: "paint", margin: "0", background: "transparent" };
+    Object.assign(root.style, style);
+    phone.session.addEventListener("end", () => { for (const name of Object.keys(style)) root.style[name] = ""; });
     return phone.session;
   };
 
@@ -51,9 +57,8 @@ function install({ features, refusal, fovY }) {
   };
 
   if (!features.includes("camera-access")) return;
-  // As large as the view: half the screen's width on a phone would do as well.
-  const camera = { get width() { return innerWidth0; }, get height() { return innerHeight0; } };
-  const [innerWidth0, innerHeight0] = [innerWidth, innerHeight];
+  // As large as the screen.
+  const camera = { width: innerWidth, height: innerHeight };
   Object.defineProperty(globalThis.XRView.prototype, "camera", { get: () => camera });
   let drawn = null;
   globalThis.XRWebGLBinding = class {

@@ -25,6 +25,21 @@ const aim = (page) => page.getByRole("button", { name: "The cross is on it" }).c
 const notice = (page) => page.locator(".notice span");
 const shots = (page) => page.locator(".strip li").count();
 
+/** The optical axis is in the screen's middle: the mark is there, and nothing lies over it; both buttons can be pressed. */
+async function isClearInTheMiddle(page, mark) {
+  const { left, top, over } = await page.evaluate((mark) => {
+    const box = document.querySelector(mark).getBoundingClientRect();
+    const at = (y) => document.elementFromPoint(innerWidth / 2, y);
+    return { left: box.x + box.width / 2, top: box.y + box.height / 2, over: [-60, 0, 60].map((y) => at(innerHeight / 2 + y).className) };
+  }, mark);
+  assert.ok(Math.abs(left - SCREEN.width / 2) < 1 && Math.abs(top - SCREEN.height / 2) < 1, `${mark} at ${left}, ${top}`);
+  assert.ok(over.every((name) => name.startsWith("stagebox")), `over the middle: ${over}`);
+  for (const button of await page.locator(".live .shutterrow button, .live .actions button").all()) {
+    const { y, height } = await button.boundingBox();
+    assert.ok(y > 0 && y + height <= SCREEN.height, `a button at ${y}`);
+  }
+}
+
 /** The phone at azimuth and elevation (degrees) about a point, looking at it. */
 function around(azimuth, elevation, distance = 0.45, middle = MIDDLE) {
   const [a, e] = [azimuth, elevation].map((degrees) => (degrees * Math.PI) / 180);
@@ -78,6 +93,7 @@ describe("a capture by the tracking of an emulated phone, with an emulated camer
     await idle(page);
     await move(page, around(0, 30));
     await inspect(page, "xr-placing", SCREEN);
+    await isClearInTheMiddle(page, ".cross");
     await aim(page);
     await page.getByRole("heading", { name: "once more" }).waitFor();
     await move(page, around(8, 30));
@@ -135,6 +151,7 @@ describe("a capture by the tracking of an emulated phone, with an emulated camer
       reached.push(place);
     }
     await inspect(page, "xr-camera", SCREEN);
+    await isClearInTheMiddle(page, ".aim");
   });
 
   test("when the system ends AR, everything is kept; the saved poses are the phone's", async (t) => {

@@ -7,12 +7,15 @@ import { TRUST } from "../record.js";
 import type { Live, State } from "../state.js";
 
 export function placing(state: State, { aim }: NonNullable<Live["placing"]>, app: App): TemplateResult {
-  const { tracked } = state.live;
+  const { tracked, size } = state.live;
+  const { width, height } = size ?? { width: 3, height: 4 };
+  // Where the optical axis meets the picture, which fills the screen.
+  const { cx, cy } = tracked?.lens ?? { cx: width / 2, cy: height / 2 };
   const isLost = tracked !== null && tracked.pose === null;
   return html`
     <section class="panel live" aria-label="Place the object">
       <div class="stagebox">
-        <svg class="overlay" viewBox="-50 -50 100 100" aria-hidden="true"><path class="cross" d="M-9 0H-2M2 0H9M0-9V-2M0 2V9" /></svg>
+        <svg class="overlay" viewBox="0 0 ${width} ${height}" aria-hidden="true"><path class="cross" transform="translate(${cx} ${cy}) scale(${0.01 * Math.min(width, height)})" d="M-9 0H-2M2 0H9M0-9V-2M0 2V9" /></svg>
         ${isLost ? html`<p class="tip stop" data-hint="lost" role="status">${LOST.webxr}</p>` : nothing}
       </div>
       <div class="say">
