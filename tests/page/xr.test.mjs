@@ -7,7 +7,7 @@ import { browse, DIST, idle, inspect, open, save, serve } from "./harness.mjs";
 import { emulate, FOV_Y_RAD, move } from "./xr-emulator.mjs";
 import { readZip } from "./zips.mjs";
 
-const SCREEN = { width: 390, height: 844 };
+const SCREEN = { width: 360, height: 740 };
 /** The object's middle in the emulated room (+Y up), metres; and how large the page is told that it is. */
 const MIDDLE = [0.3, 0.9, -0.6];
 const OBJECT_M = 0.1;
@@ -88,6 +88,8 @@ describe("a capture by the tracking of an emulated phone, with an emulated camer
     const { page } = browser;
     await setUp(page);
     await page.getByLabel(/a mug/).check();
+    await page.getByRole("button", { name: "Start in AR" }).waitFor();
+    await inspect(page, "xr-setup", SCREEN);
     await begin(page);
     await page.getByRole("heading", { name: "Aim at the object" }).waitFor();
     await idle(page);
