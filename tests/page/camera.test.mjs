@@ -50,7 +50,7 @@ describe("a capture by the board, with a film as camera", { skip: existsSync(fil
     // soon, the planner is told that nobody can get there.
     const due = ["fast", "dark", "lost", "bright", "blurred"];
     const isDone = async () => (await taken()) >= 2 && due.every((name) => hints.has(name));
-    const end = Date.now() + 50_000;
+    const end = Date.now() + 90_000;
     while (Date.now() < end && !(await isDone())) {
       const words = (await page.locator(".say h1").textContent()) ?? "";
       const [, turn] = /^Move (\d+)° to the right(, slightly (higher|lower))?$/.exec(words) ?? [];
