@@ -1,8 +1,8 @@
-//! The exact scorer: knows what every candidate sees of the mesh.
+//! The exact scorers: they know what every candidate sees of the mesh.
 
 use core::convert::Infallible;
 
-use crate::objectives::{Ledger, Objective, Scores, Sighting};
+use crate::objectives::{Glimpse, Ledger, Objective, Scores, Sighting, SupportLedger};
 #[cfg(feature = "serde")]
 use crate::planner::Persist;
 use crate::planner::Scorer;
@@ -69,5 +69,50 @@ impl Persist for Exact<'_> {
 
     fn load(&mut self, source: &mut Source<'_>) -> Result<(), SnapshotError> {
         self.ledger.load(source)
+    }
+}
+
+/// Scores views by the [`SupportLedger`] of a mesh and each candidate's [`Glimpse`]: for
+/// [`Plan::support`](crate::planner::Plan::support). The four objectives are not known to it: 0.
+#[derive(Debug)]
+pub struct ExactSupport<'a> {
+    ledger: SupportLedger<'a>,
+    glimpses: &'a [Glimpse<'a>], // (candidates), in the session's order
+}
+
+impl<'a> ExactSupport<'a> {
+    /// A scorer over candidates that show `glimpses`, in the session's order.
+    ///
+    /// A candidate without a glimpse gains nothing.
+    pub fn new(ledger: SupportLedger<'a>, glimpses: &'a [Glimpse<'a>]) -> Self {
+        Self { ledger, glimpses }
+    }
+
+    /// The account of what has been seen.
+    pub fn ledger(&self) -> &SupportLedger<'a> {
+        &self.ledger
+    }
+}
+
+impl<'a> Scorer for ExactSupport<'a> {
+    type Shot<'s> = Glimpse<'a>;
+    type Error = Infallible;
+
+    fn observe(&mut self, pose: &Pose, shot: &Glimpse<'a>) -> Result<(), Infallible> {
+        self.ledger.add(pose.position(), shot);
+        Ok(())
+    }
+
+    fn gain(&self, _objective: Objective, _index: usize, _pose: &Pose) -> f32 {
+        0.0
+    }
+
+    fn support(&self, index: usize, pose: &Pose) -> f32 {
+        let glimpse = self.glimpses.get(index);
+        glimpse.map_or(0.0, |glimpse| self.ledger.gain(pose.position(), glimpse))
+    }
+
+    fn scores(&self) -> Scores {
+        Scores::default()
     }
 }

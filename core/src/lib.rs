@@ -83,7 +83,7 @@ pub mod record;
 pub mod soarnet;
 
 pub use camera::{Camera, CameraError};
-pub use exact::Exact;
+pub use exact::{Exact, ExactSupport};
 pub use glam::{Quat, Vec2, Vec3};
 pub use objectives::{Objective, Scores};
 pub use pose::{Pose, PoseError};

@@ -60,6 +60,12 @@ pub fn exp(x: f32) -> f32 {
     libm::expf(x)
 }
 
+/// Natural logarithm.
+#[inline]
+pub fn ln(x: f32) -> f32 {
+    libm::logf(x)
+}
+
 /// Cube root of `x >= 0`; relative error below 3e-7, and 0 for anything below `f32::MIN_POSITIVE`.
 ///
 /// Written without a branch and without a table so that a loop over faces vectorises: a third of

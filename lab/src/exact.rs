@@ -6,13 +6,15 @@ use std::time::Instant;
 use anyhow::{Context, Result};
 use rayon::prelude::*;
 use vantage_core::objectives::{Face, FaceAccount, Ledger, Reading, Sighting, Surface};
-use vantage_core::planner::{Candidate, NextView, Plan, Scorer, Session};
-use vantage_core::{Camera, Exact, Objective, Pose, Scores};
+use vantage_core::planner::{Candidate, NextView, Plan, Scheme, Scorer, Session};
+use vantage_core::{Camera, Exact, ExactSupport, Objective, Pose, Scores};
 
 use crate::heap::Heap;
 use crate::label::{self, Label};
 use crate::mesh::Mesh;
 use crate::render::Renderer;
+use crate::scheme;
+use crate::support::Support;
 use crate::surface;
 
 /// A mesh with a candidate pool, and what each candidate shows of it.
@@ -24,6 +26,7 @@ pub struct Labelled {
     faces: Vec<Face>,
     labels: Vec<Label>,
     texture_limit: f32,
+    support: Option<Support>,
 }
 
 /// One step of a finished plan.
@@ -50,7 +53,19 @@ impl Labelled {
         let labels =
             label::label_all(&Renderer::new(mesh), camera, &poses, faces.len(), &reading, done);
         let texture_limit = label::texture_limit(&labels, faces.len(), &reading);
-        Self { poses, reading, faces, labels, texture_limit }
+        Self { poses, reading, faces, labels, texture_limit, support: None }
+    }
+
+    /// The same with what plans by support need of the mesh, if any of the schemes is such a plan.
+    pub fn for_schemes<'s>(
+        self,
+        mesh: &Mesh,
+        schemes: impl IntoIterator<Item = &'s str>,
+    ) -> Result<Self> {
+        let mut plans = schemes.into_iter().filter_map(|name| scheme::plan(name, 1, 0));
+        let asked = plans.any(|plan| plan.scheme() == Scheme::Support);
+        let support = asked.then(|| Support::new(mesh, &self.poses)).transpose()?;
+        Ok(Self { support, ..self })
     }
 
     /// The mesh's faces.
@@ -90,6 +105,9 @@ impl Labelled {
         then: Plan,
         mut done: impl FnMut(),
     ) -> Result<Vec<Step>> {
+        if first.scheme() == Scheme::Support {
+            return self.run_support(first, done);
+        }
         let sightings = self.sightings();
         let mut accounts = vec![FaceAccount::default(); self.faces.len()];
         let ledger = Ledger::try_new(self.surface()?, self.reading, &mut accounts)?;
@@ -106,6 +124,29 @@ impl Labelled {
             if steps.len() == views {
                 session.replan(then)?;
             }
+        }
+        Ok(steps)
+    }
+
+    fn run_support(&self, plan: Plan, mut done: impl FnMut()) -> Result<Vec<Step>> {
+        let support =
+            self.support.as_ref().context("what candidates support has not been looked at")?;
+        let sightings = self.sightings();
+        let mut accounts = vec![FaceAccount::default(); self.faces.len()];
+        let mut ledger = Ledger::try_new(self.surface()?, self.reading, &mut accounts)?;
+        let glimpses = support.glimpses();
+        let (mut sums, mut empty) = support.memory();
+        let scorer = ExactSupport::new(support.ledger(&mut sums, &mut empty)?, &glimpses);
+        let start = Instant::now();
+        let candidates = self.poses.iter().copied();
+        let mut session = Session::try_new(Heap::default(), candidates, scorer, plan)?;
+        let mut steps = Vec::with_capacity(plan.budget());
+        while let Some(next) = session.next_view() {
+            session.observe(next.index, next.pose, &glimpses[next.index])?;
+            ledger.add(next.pose.position(), &sightings[next.index]);
+            let seconds = start.elapsed().as_secs_f64();
+            steps.push(Step { next, scores: ledger.scores(), seconds });
+            done();
         }
         Ok(steps)
     }

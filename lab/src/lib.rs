@@ -19,4 +19,5 @@ pub mod report;
 pub mod scheme;
 pub mod seen_points;
 pub mod statistics;
+pub mod support;
 pub mod surface;

@@ -1,10 +1,13 @@
 //! The schemes by the names that the command line knows.
+//!
+//! `NAME@SHARE` is the same with another least distance from the views so far: see
+//! [`Plan::with_dispersion`].
 
 use vantage_core::Objective;
 use vantage_core::planner::Plan;
 
 /// Every name, with what it stands for.
-pub const SCHEMES: [(&str, &str); 22] = [
+pub const SCHEMES: [(&str, &str); 23] = [
     ("soarnet", "the ensemble as a network predicts it from photos"),
     ("soarnet-c", "surface coverage as a network predicts it from photos"),
     ("soarnet-q", "geometric complexity as a network predicts it from photos"),
@@ -24,6 +27,7 @@ pub const SCHEMES: [(&str, &str); 22] = [
     ("d", "ray diversity alone"),
     ("t", "textural complexity alone"),
     ("sum", "the sum of the four gains, each brought to the same range"),
+    ("support", "angular support and empty space, among views at least 0.6 of the way out"),
     ("fps", "farthest-point sampling"),
     ("pc-fps", "pseudo-coverage, then farthest-point sampling"),
     ("random", "candidates by chance"),
@@ -31,6 +35,7 @@ pub const SCHEMES: [(&str, &str); 22] = [
 
 /// The plan of a scheme, or `None` for a name that is none.
 pub fn plan(name: &str, budget: usize, seed: u64) -> Option<Plan> {
+    let (name, dispersion) = parts(name)?;
     let plan = match network(name).map_or(name, |(_, plan)| plan) {
         "e" => Plan::ensemble(budget),
         "e-literal" => Plan::literal_ensemble(budget),
@@ -39,12 +44,25 @@ pub fn plan(name: &str, budget: usize, seed: u64) -> Option<Plan> {
         "d" => Plan::single(Objective::Diversity, budget),
         "t" => Plan::single(Objective::Texture, budget),
         "sum" => Plan::sum(budget),
+        "support" => Plan::support(budget),
         "fps" => Plan::farthest_point(budget),
         "pc-fps" => Plan::pseudo_coverage(budget),
         "random" => Plan::random(budget),
         _ => return None,
     };
+    let plan = dispersion.map_or(plan, |share| plan.with_dispersion(share));
     Some(plan.with_seed(seed))
+}
+
+/// A name without its least distance, and that distance if there is one.
+fn parts(name: &str) -> Option<(&str, Option<f32>)> {
+    match name.split_once('@') {
+        None => Some((name, None)),
+        Some((name, share)) => {
+            let share = share.parse().ok().filter(|share| (0.0..=1.0).contains(share))?;
+            Some((name, Some(share)))
+        }
+    }
 }
 
 /// The scheme that is greedy on one objective: its exact oracle.
@@ -97,6 +115,7 @@ impl Network {
 
 /// The network that a scheme asks, and the scheme that it would be with exact gains.
 pub fn network(name: &str) -> Option<(Network, &str)> {
+    let (name, _) = parts(name)?;
     [Network::Poses, Network::Soarnet].into_iter().find_map(|network| {
         let rest = name.strip_prefix(network.name())?;
         let plan = if rest.is_empty() { "e" } else { rest.strip_prefix('-')? };
@@ -110,12 +129,17 @@ pub const ORACLE: &str = "oracle";
 /// A sentence for a name that is none.
 pub fn unknown(name: &str) -> String {
     let names: Vec<&str> = SCHEMES.iter().map(|(name, _)| *name).collect();
-    format!("there is no scheme `{name}`: choose one of {}", names.join(", "))
+    format!(
+        "there is no scheme `{name}`: choose one of {}, or one of these and @SHARE (0 to 1), the least \
+         distance from the views so far",
+        names.join(", ")
+    )
 }
 
 /// What a scheme is, in words.
 pub fn describe(name: &str) -> &str {
-    SCHEMES.iter().find(|(known, _)| *known == name).map_or(name, |(_, words)| words)
+    let (base, _) = parts(name).unwrap_or((name, None));
+    SCHEMES.iter().find(|(known, _)| *known == base).map_or(name, |(_, words)| words)
 }
 
 #[cfg(test)]
@@ -137,6 +161,12 @@ mod tests {
             let single = plan(network.single(objective), 5, 0).unwrap();
             assert_eq!(single, Plan::single(objective, 5));
         }
+        assert_eq!(
+            plan("e@0.25", 5, 3),
+            Some(Plan::ensemble(5).with_dispersion(0.25).with_seed(3))
+        );
+        assert_eq!(network("soarnet-q@1"), Some((Network::Soarnet, "q")));
+        assert!(plan("e@1.1", 5, 0).is_none() && plan("e@", 5, 0).is_none());
         assert!(unknown("best").contains("pc-fps"));
     }
 }

@@ -49,6 +49,7 @@ fn reason(reason: Reason) -> &'static str {
         Reason::Farthest => "farthest",
         Reason::Objective(objective) => objective.name(),
         Reason::AllObjectives => "all-objectives",
+        Reason::Support => "support",
     }
 }
 

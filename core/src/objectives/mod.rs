@@ -3,11 +3,13 @@
 //!
 //! [`Ledger`] keeps the account as views are added and tells what a further one would gain;
 //! [`Reading`] says where we follow the paper to the letter and where we depart from it.
+//! [`SupportLedger`] is an objective of our own, which follows the quality of radiance fields closer.
 
 mod diversity;
 mod ledger;
 mod reading;
 mod scores;
+mod support;
 mod surface;
 mod texture;
 
@@ -15,5 +17,6 @@ pub(crate) use diversity::inlier_weight;
 pub use ledger::{FaceAccount, Ledger, LedgerError};
 pub use reading::{Form, Reading};
 pub use scores::{Objective, Scores, smoothing};
+pub use support::{Glimpse, SupportError, SupportLedger, Target};
 pub use surface::{Face, FaceSet, Sighting, Surface, SurfaceError};
 pub use texture::{FLAT, hue_saturation, local_binary_pattern};

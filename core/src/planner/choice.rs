@@ -45,14 +45,24 @@ impl Movement {
     }
 }
 
-/// The available candidate of the highest value; NaN never wins.
+/// The squared distance from the views that a candidate needs at least, metres²: `share` of that of the
+/// farthest one.
+pub(super) fn floor(candidates: &[Candidate], share: f32) -> f32 {
+    let available = candidates.iter().filter(|c| c.is_available());
+    let farthest = available.map(|c| c.nearest_squared).fold(0.0, f32::max);
+    // Before the first view everything is as far as anything.
+    if farthest.is_finite() { share * share * farthest } else { 0.0 }
+}
+
+/// The available candidate of the highest value, of those far enough from the views; NaN never wins.
 fn best(
     candidates: &[Candidate],
+    floor: f32,
     value: impl Fn(usize, &Candidate) -> f32,
 ) -> Option<(usize, f32)> {
     let mut best = None;
     for (index, candidate) in candidates.iter().enumerate() {
-        if !candidate.is_available() {
+        if !candidate.is_available() || candidate.nearest_squared < floor {
             continue;
         }
         let value = value(index, candidate);
@@ -74,6 +84,7 @@ pub(super) fn by_objective<S: Scorer>(
     candidates: &mut [Candidate],
     views: usize,
     movement: Movement,
+    floor: f32,
 ) -> Option<Choice> {
     // The stamp of an answer that is up to date.
     let now = (views as u32).saturating_add(1);
@@ -85,7 +96,7 @@ pub(super) fn by_objective<S: Scorer>(
     // bound until the highest is up to date: no other can then exceed it, and of those that could
     // equal it each one of a lower index has been asked.
     loop {
-        let (index, _) = best(candidates, |_, c| movement.value(c, c.gain(objective)))?;
+        let (index, _) = best(candidates, floor, |_, c| movement.value(c, c.gain(objective)))?;
         let candidate = candidates.get_mut(index)?;
         if candidate.asked(objective) == now {
             return Some(Choice { index, gain: candidate.gain(objective) });
@@ -102,6 +113,7 @@ pub(super) fn by_sum<S: Scorer>(
     candidates: &mut [Candidate],
     views: usize,
     movement: Movement,
+    floor: f32,
 ) -> Option<Choice> {
     let now = (views as u32).saturating_add(1);
     let ranges = Objective::ALL.map(|objective| {
@@ -120,11 +132,23 @@ pub(super) fn by_sum<S: Scorer>(
         });
         shares.sum()
     };
-    let (index, _) = best(candidates, |_, c| movement.value(c, sum(c)))?;
+    let (index, _) = best(candidates, floor, |_, c| movement.value(c, sum(c)))?;
     // The mean of the four gains is what the stop rule compares.
     let gains = candidates.get(index).map(|c| Objective::ALL.map(|o| c.gain(o)));
     let gain = gains.map_or(0.0, |gains| gains.iter().sum::<f32>() / 4.0);
     Some(Choice { index, gain })
+}
+
+/// The candidate that gains most support.
+pub(super) fn by_support<S: Scorer>(
+    scorer: &S,
+    candidates: &[Candidate],
+    movement: Movement,
+    floor: f32,
+) -> Option<Choice> {
+    let gain = |index: usize, c: &Candidate| scorer.support(index, c.pose());
+    let (index, _) = best(candidates, floor, |index, c| movement.value(c, gain(index, c)))?;
+    Some(Choice { index, gain: gain(index, candidates.get(index)?) })
 }
 
 /// Asks the scorer for the gains of all available candidates.
@@ -145,7 +169,7 @@ pub(super) fn refresh<S: Scorer>(
 /// `None` where no view has been taken: everything is as far as anything.
 pub(super) fn by_distance(candidates: &[Candidate], movement: Movement) -> Option<Choice> {
     let distance = |c: &Candidate| math::sqrt(c.nearest_squared);
-    let (index, _) = best(candidates, |_, c| movement.value(c, distance(c)))?;
+    let (index, _) = best(candidates, 0.0, |_, c| movement.value(c, distance(c)))?;
     let gain = candidates.get(index).map(distance)?;
     gain.is_finite().then_some(Choice { index, gain })
 }
@@ -162,7 +186,7 @@ pub(super) fn by_chance(candidates: &[Candidate], seed: u64, draw: u64) -> Optio
 /// The extreme candidate along the axis of a starting step: +x, +y, +z.
 fn by_axis(candidates: &[Candidate], step: usize, centre: Vec3) -> Option<Choice> {
     let axis = *[Vec3::X, Vec3::Y, Vec3::Z].get(step)?;
-    let (index, gain) = best(candidates, |_, c| (c.pose().position() - centre).dot(axis))?;
+    let (index, gain) = best(candidates, 0.0, |_, c| (c.pose().position() - centre).dot(axis))?;
     Some(Choice { index, gain })
 }
 

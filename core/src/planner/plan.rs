@@ -20,6 +20,8 @@ pub enum Scheme {
     Ensemble(Phase),
     /// The largest sum of the four gains, each brought to [0, 1] over the candidates.
     Sum,
+    /// The candidate that gains most [support](crate::objectives::SupportLedger).
+    Support,
 }
 
 /// The ensemble's sequence of objectives (algorithm `algo:trajectory`).
@@ -83,6 +85,7 @@ pub struct Plan {
     pub(crate) start_views: usize,
     pub(crate) seed: u64,
     pub(crate) movement_cost: f32,
+    pub(crate) dispersion: f32,
     pub(crate) stop: Option<Stop>,
     pub(crate) centre: Vec3,
 }
@@ -105,6 +108,11 @@ pub enum PlanError {
         /// The cost given.
         cost: f32,
     },
+    /// The dispersion is not in [0, 1].
+    BadDispersion {
+        /// The share given.
+        share: f32,
+    },
     /// The stop rule's gain is negative or NaN, or its patience is 0.
     BadStop,
     /// Random and farthest-point schemes expect no gain, so no rule on it can end them.
@@ -124,6 +132,9 @@ impl fmt::Display for PlanError {
             ),
             Self::BadMovementCost { cost } => {
                 write!(f, "the movement cost must lie between 0 and 1, not {cost}")
+            }
+            Self::BadDispersion { share } => {
+                write!(f, "the dispersion must lie between 0 and 1, not {share}")
             }
             Self::BadStop => {
                 f.write_str("the stop rule needs a gain of at least 0 and a patience of at least 1")
@@ -150,6 +161,7 @@ impl Plan {
             start_views: Self::START_VIEWS,
             seed: 0,
             movement_cost: 0.0,
+            dispersion: 0.0,
             stop: None,
             centre: Vec3::ZERO,
         }
@@ -173,6 +185,11 @@ impl Plan {
     /// The sum of the four gains.
     pub fn sum(budget: usize) -> Self {
         Self::new(Scheme::Sum, budget)
+    }
+
+    /// The most support, among the candidates that stand at least 0.6 of the way out.
+    pub fn support(budget: usize) -> Self {
+        Self::new(Scheme::Support, budget).with_dispersion(0.6)
     }
 
     /// Farthest-point sampling from a candidate drawn by the seed.
@@ -212,6 +229,12 @@ impl Plan {
         Self { movement_cost, ..self }
     }
 
+    /// How far from all views so far the next one must be at least, in [0, 1]: as a share of the distance
+    /// that the farthest candidate has. Objectives choose among those only; 0 leaves them all.
+    pub fn with_dispersion(self, dispersion: f32) -> Self {
+        Self { dispersion, ..self }
+    }
+
     /// A rule that ends the session before its budget is spent.
     pub fn with_stop(self, stop: Stop) -> Self {
         Self { stop: Some(stop), ..self }
@@ -247,6 +270,9 @@ impl Plan {
         }
         if !(0.0..=1.0).contains(&self.movement_cost) {
             return Err(PlanError::BadMovementCost { cost: self.movement_cost });
+        }
+        if !(0.0..=1.0).contains(&self.dispersion) {
+            return Err(PlanError::BadDispersion { share: self.dispersion });
         }
         if let Some(Stop { gain, patience }) = self.stop {
             if !(gain >= 0.0 && patience > 0) {

@@ -38,6 +38,12 @@ pub trait Scorer {
         }
     }
 
+    /// What one more photo, of candidate `index` at `pose`, is expected to add to
+    /// [support](crate::objectives::SupportLedger); 0 for a scorer that does not know.
+    fn support(&self, _index: usize, _pose: &Pose) -> f32 {
+        0.0
+    }
+
     /// Whether a candidate's gain can only fall as photos are added: exactly, not just nearly.
     ///
     /// The planner then asks again only for those that could still win (lazy greedy; Minoux, 1978).
@@ -64,6 +70,10 @@ impl<S: Scorer + ?Sized> Scorer for &mut S {
 
     fn gains(&self, objective: Objective, candidates: &mut [Candidate]) {
         (**self).gains(objective, candidates);
+    }
+
+    fn support(&self, index: usize, pose: &Pose) -> f32 {
+        (**self).support(index, pose)
     }
 
     fn diminishes(&self, objective: Objective) -> bool {

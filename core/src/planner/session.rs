@@ -52,7 +52,7 @@ pub struct NextView {
     /// The objective that chose it, if one did.
     pub objective: Option<Objective>,
     /// The gain expected of it: of the objective, before smoothing; of the mean of all four in the
-    /// sum scheme; the distance to the nearest view in metres for farthest points; 0 for the first
+    /// sum scheme; of support; the distance to the nearest view in metres for farthest points; 0 for the first
     /// views and for chance.
     pub gain: f32,
     /// Why it was chosen.
@@ -73,6 +73,8 @@ pub enum Reason {
     Objective(Objective),
     /// It gains most over all four objectives together.
     AllObjectives,
+    /// It gains most support: see [`SupportLedger`](crate::objectives::SupportLedger).
+    Support,
 }
 
 impl fmt::Display for Reason {
@@ -86,6 +88,7 @@ impl fmt::Display for Reason {
             Self::Objective(Objective::Diversity) => "most new viewing directions",
             Self::Objective(Objective::Texture) => "most surface detail left to see",
             Self::AllObjectives => "most gain over all four objectives",
+            Self::Support => "nearest to views not yet supported",
         })
     }
 }
@@ -218,10 +221,12 @@ impl<S: Scorer, M: Memory> Session<S, M> {
         if step >= self.plan.budget || self.is_good_enough() {
             return None;
         }
-        let Plan { scheme, start, start_views, seed, movement_cost, centre, .. } = self.plan;
+        let Plan { scheme, start, start_views, seed, movement_cost, dispersion, centre, .. } =
+            self.plan;
         let movement = Movement::new(movement_cost, centre, self.memory.views());
         let chance = (seed, self.draws);
         let candidates = self.memory.candidates_mut();
+        let floor = choice::floor(candidates, dispersion);
         let (choice, objective, reason) = if step < start_views {
             let choice = choice::by_start(start, step, candidates, centre, movement, chance);
             (choice.map(|choice| Choice { gain: 0.0, ..choice }), None, Reason::Start)
@@ -238,13 +243,23 @@ impl<S: Scorer, M: Memory> Session<S, M> {
                 }
                 Scheme::Single(_) | Scheme::Ensemble(_) => {
                     let objective = objective_of(scheme, step, start_views)?;
-                    let choice =
-                        choice::by_objective(&self.scorer, objective, candidates, step, movement);
+                    let choice = choice::by_objective(
+                        &self.scorer,
+                        objective,
+                        candidates,
+                        step,
+                        movement,
+                        floor,
+                    );
                     (choice, Some(objective), Reason::Objective(objective))
                 }
                 Scheme::Sum => {
-                    let choice = choice::by_sum(&self.scorer, candidates, step, movement);
+                    let choice = choice::by_sum(&self.scorer, candidates, step, movement, floor);
                     (choice, None, Reason::AllObjectives)
+                }
+                Scheme::Support => {
+                    let choice = choice::by_support(&self.scorer, candidates, movement, floor);
+                    (choice, None, Reason::Support)
                 }
             }
         };
@@ -306,7 +321,10 @@ impl<S: Scorer, M: Memory> Session<S, M> {
             }
         }
         if let (Some(stop), Some(next)) = (self.plan.stop, chosen) {
-            let expected = matches!(next.reason, Reason::Objective(_) | Reason::AllObjectives);
+            let expected = matches!(
+                next.reason,
+                Reason::Objective(_) | Reason::AllObjectives | Reason::Support
+            );
             if expected {
                 self.weak = if next.gain < stop.gain { self.weak.saturating_add(1) } else { 0 };
             }
@@ -447,7 +465,7 @@ fn objective_of(scheme: Scheme, step: usize, start_views: usize) -> Option<Objec
         Scheme::Single(objective) => return Some(objective),
         Scheme::Ensemble(Phase::FromStart) => step.saturating_sub(start_views),
         Scheme::Ensemble(Phase::Literal) => step + 1,
-        Scheme::Random | Scheme::FarthestPoint | Scheme::Sum => return None,
+        Scheme::Random | Scheme::FarthestPoint | Scheme::Sum | Scheme::Support => return None,
     };
     ENSEMBLE.get(place % ENSEMBLE.len()).copied()
 }

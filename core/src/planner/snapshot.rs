@@ -14,20 +14,20 @@
 //! follow from the rest.
 //!
 //! The snapshot of a new session, `Plan::random(1)` over one candidate at (1, 2, 3) with the
-//! [`Blind`] scorer, is these 71 bytes (`core/tests/snapshot.rs` compares them):
+//! [`Blind`] scorer, is these 75 bytes (`core/tests/snapshot.rs` compares them):
 //!
 //! ```text
 //! 56 4e 54 47                          magic
-//! 01 00                                version 1
-//! 39 00 00 00                          57 bytes of payload
+//! 02 00                                version 2
+//! 3d 00 00 00                          61 bytes of payload
 //! 00 01 01 00 00                       plan: Random, budget 1, FarthestPoint, 0 start views, seed 0
-//! 00 00 00 00  00                      movement cost 0.0, no stop rule
+//! 00 00 00 00  00 00 00 00  00         movement cost 0.0, dispersion 0.0, no stop rule
 //! 00 00 00 00  00 00 00 00  00 00 00 00   centre (0, 0, 0)
 //! 00 00 00 01 00 00                    0 settled, 0 weak, scorer 0, 1 candidate, 0 views, none due
 //! 00 00 80 3f  00 00 00 40  00 00 40 40   position (1, 2, 3)
 //! 00 00 00 00  00 00 00 00  00 00 00 00  00 00 80 3f   rotation (0, 0, 0, 1)
 //! 00                                   Available
-//! 8a 0d 0a 7d                          CRC-32
+//! 38 a6 4f ff                          CRC-32
 //! ```
 
 use serde::{Deserialize, Serialize};

@@ -278,7 +278,7 @@ impl Sweep<'_> {
             self.bar.suspend(|| eprintln!("warning: {name}: {warning}"));
         }
         let renderer = Renderer::new(&object.mesh);
-        let planner = Planner::new(&object.mesh, self.poses, self.networks)?;
+        let planner = Planner::new(&object.mesh, self.poses, &self.args.schemes, self.networks)?;
         self.store.create(self.settings)?;
         let test = Photos::of_mesh(&renderer, self.camera, self.test_poses.to_vec());
         // One plan for all budgets, unless it is no greedy one.

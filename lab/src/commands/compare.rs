@@ -249,12 +249,14 @@ impl Comparison<'_> {
             object.name = name.trim_start_matches("class:").to_owned();
         }
         super::warn(&object, Some(bar));
-        let label = |poses: Vec<Pose>| {
+        let label = |poses: Vec<Pose>| -> Result<Labelled> {
             let reading = args.score.reading();
+            let schemes = args.schemes.iter().map(String::as_str);
             Labelled::new(&object.mesh, self.camera, poses, reading, || bar.inc(1))
+                .for_schemes(&object.mesh, schemes)
         };
         let mut compared = Compared::default();
-        let common = (!args.random_candidates).then(|| label(self.poses.to_vec()));
+        let common = if args.random_candidates { None } else { Some(label(self.poses.to_vec())?) };
         let mut photos = Vec::new();
         for seed in 0..args.seeds {
             let (pool_seed, own);
@@ -266,7 +268,7 @@ impl Comparison<'_> {
                 None => {
                     let drawn = seed_of(name, seed);
                     pool_seed = Some(drawn);
-                    own = label(PoolArgs { pool_seed: drawn, ..args.pool.clone() }.poses()?);
+                    own = label(PoolArgs { pool_seed: drawn, ..args.pool.clone() }.poses()?)?;
                     &own
                 }
             };

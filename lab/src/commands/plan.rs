@@ -35,7 +35,7 @@ pub struct PlanArgs {
     pub budget: usize,
     /// How views are chosen. Predicted by a network: soarnet (the ensemble), soarnet-c, -q, -d or -t
     /// (one objective alone), soarnet-sum; soarnet-poses… without looking at photos. Exactly, from
-    /// the mesh: e, e-literal, c, q, d, t, sum. By poses: fps (farthest-point sampling), pc-fps (the
+    /// the mesh: e, e-literal, c, q, d, t, sum, support (angular support and empty space). By poses: fps (farthest-point sampling), pc-fps (the
     /// same after pseudo-coverage), random [default: soarnet]
     #[arg(long, short, value_name = "S")]
     pub scheme: Option<String>,
@@ -130,7 +130,8 @@ pub fn run(args: &PlanArgs) -> Result<()> {
     let start = Instant::now();
     let reading = args.score.reading();
     let bar = super::progress("labelling", poses.len());
-    let labelled = Labelled::new(&object.mesh, &label_camera, poses, reading, || bar.inc(1));
+    let labelled = Labelled::new(&object.mesh, &label_camera, poses, reading, || bar.inc(1))
+        .for_schemes(&object.mesh, [args.scheme()])?;
     bar.finish_and_clear();
     seconds.label = start.elapsed().as_secs_f64();
 

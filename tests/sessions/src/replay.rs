@@ -176,6 +176,7 @@ fn line(out: &mut dyn Write, next: &NextView, what: &str, scores: Scores) -> fmt
         Reason::Objective(Objective::Diversity) => "diversity",
         Reason::Objective(Objective::Texture) => "texture",
         Reason::AllObjectives => "all",
+        Reason::Support => "support",
     };
     write!(out, "{} {what} {reason}", next.index)?;
     let Scores { coverage, geometry, diversity, texture } = scores;
