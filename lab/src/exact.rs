@@ -13,7 +13,6 @@ use crate::heap::Heap;
 use crate::label::{self, Label};
 use crate::mesh::Mesh;
 use crate::render::Renderer;
-use crate::scheme;
 use crate::support::Support;
 use crate::surface;
 
@@ -56,15 +55,9 @@ impl Labelled {
         Self { poses, reading, faces, labels, texture_limit, support: None }
     }
 
-    /// The same with what plans by support need of the mesh, if any of the schemes is such a plan.
-    pub fn for_schemes<'s>(
-        self,
-        mesh: &Mesh,
-        schemes: impl IntoIterator<Item = &'s str>,
-    ) -> Result<Self> {
-        let mut plans = schemes.into_iter().filter_map(|name| scheme::plan(name, 1, 0));
-        let asked = plans.any(|plan| plan.scheme() == Scheme::Support);
-        let support = asked.then(|| Support::new(mesh, &self.poses)).transpose()?;
+    /// The same with what plans by support need of the mesh.
+    pub fn with_support(self, mesh: &Mesh) -> Result<Self> {
+        let support = Some(Support::new(mesh, &self.poses)?);
         Ok(Self { support, ..self })
     }
 

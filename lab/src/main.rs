@@ -37,6 +37,8 @@ enum Command {
     Evaluate(train::NetworkArgs),
     /// Train one radiance field of an object and measure it
     Field(train::NetworkArgs),
+    /// Write the page of results from the runs that were kept of sweeps
+    Results(train::NetworkArgs),
 }
 
 fn main() -> ExitCode {
@@ -51,6 +53,7 @@ fn main() -> ExitCode {
         Command::Card(args) => train::run(Program::Train, "card", &args),
         Command::Evaluate(args) => train::run(Program::Fields, "evaluate", &args),
         Command::Field(args) => train::run(Program::Fields, "field", &args),
+        Command::Results(args) => train::run(Program::Fields, "results", &args),
     };
     match result {
         Ok(code) => code,

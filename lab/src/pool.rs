@@ -108,6 +108,12 @@ impl PoolArgs {
         self.space.unwrap_or(Space::Sphere)
     }
 
+    /// The lowest and highest elevation in degrees, where the space has such.
+    pub fn limits_deg(&self) -> Option<[f32; 2]> {
+        let between = matches!(self.space(), Space::Hemisphere | Space::Rings | Space::Spiral);
+        (between && self.pool.is_none()).then(|| self.elevations_deg())
+    }
+
     fn elevations_deg(&self) -> [f32; 2] {
         [self.min_elevation.unwrap_or(5.0), self.max_elevation.unwrap_or(80.0)]
     }

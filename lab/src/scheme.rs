@@ -4,7 +4,7 @@
 //! [`Plan::with_dispersion`].
 
 use vantage_core::Objective;
-use vantage_core::planner::Plan;
+use vantage_core::planner::{Plan, Scheme};
 
 /// Every name, with what it stands for.
 pub const SCHEMES: [(&str, &str); 23] = [
@@ -73,6 +73,11 @@ pub fn oracle(objective: Objective) -> &'static str {
         Objective::Diversity => "d",
         Objective::Texture => "t",
     }
+}
+
+/// Whether a scheme looks for support, which must be prepared.
+pub fn needs_support(name: &str) -> bool {
+    plan(name, 1, 0).is_some_and(|plan| plan.scheme() == Scheme::Support)
 }
 
 /// Whether a scheme can choose by poses alone: without a mesh and without a network.
@@ -167,6 +172,7 @@ mod tests {
         );
         assert_eq!(network("soarnet-q@1"), Some((Network::Soarnet, "q")));
         assert!(plan("e@1.1", 5, 0).is_none() && plan("e@", 5, 0).is_none());
+        assert!(needs_support("support@0.3") && !needs_support("fps") && !needs_support("best"));
         assert!(unknown("best").contains("pc-fps"));
     }
 }

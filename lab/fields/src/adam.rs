@@ -20,9 +20,7 @@ pub struct Rows {
     #[serde(skip)]
     gradient: Vec<f32>,
     #[serde(skip)]
-    touched: Vec<u32>,
-    #[serde(skip)]
-    is_touched: Vec<bool>,
+    touched: Vec<u64>, // a bit for each row; going through them in order keeps memory near
 }
 
 impl Rows {
@@ -31,8 +29,8 @@ impl Rows {
         let zero = || vec![0.0; values.len()];
         let (mean, square) = (zero(), zero());
         let gradient = zero();
-        let is_touched = vec![false; values.len() / width];
-        Self { width, values, mean, square, gradient, touched: Vec::new(), is_touched }
+        let touched = vec![0; (values.len() / width).div_ceil(64)];
+        Self { width, values, mean, square, gradient, touched }
     }
 
     /// Rows that were read, with room for gradients, which are not stored.
@@ -59,10 +57,7 @@ impl Rows {
     /// The place for a row's gradient, which thereby is touched.
     #[inline]
     pub fn touch(&mut self, row: usize) -> &mut [f32] {
-        if !self.is_touched[row] {
-            self.is_touched[row] = true;
-            self.touched.push(row as u32);
-        }
+        self.touched[row / 64] |= 1 << (row % 64);
         &mut self.gradient[row * self.width..][..self.width]
     }
 
@@ -73,11 +68,20 @@ impl Rows {
         if weight == 0.0 {
             return;
         }
-        let Self { width, values, gradient, touched, .. } = self;
-        let of = |row: usize| &values[row * *width..][..*width];
-        for &row in touched.iter() {
-            let row = row as usize;
-            let slopes = &mut gradient[row * *width..][..*width];
+        // With a width that the compiler knows it is twice as fast: those of a voxel grid.
+        match self.width {
+            1 => self.draw_rows_together(1, nodes, strides, weight),
+            12 => self.draw_rows_together(12, nodes, strides, weight),
+            width => self.draw_rows_together(width, nodes, strides, weight),
+        }
+    }
+
+    #[inline(always)]
+    fn draw_rows_together(&mut self, width: usize, nodes: usize, strides: &[usize], weight: f32) {
+        let Self { values, gradient, touched, .. } = self;
+        let of = |row: usize| &values[row * width..][..width];
+        for_each(touched, |row| {
+            let slopes = &mut gradient[row * width..][..width];
             let mut draw = |neighbour: usize| {
                 for ((slope, own), other) in slopes.iter_mut().zip(of(row)).zip(of(neighbour)) {
                     *slope += weight * (own - other);
@@ -92,33 +96,53 @@ impl Rows {
                     draw(row + stride);
                 }
             }
-        }
+        });
     }
 
     /// A step of all touched rows, after which none is touched.
     pub fn advance(&mut self, rate: f32) {
-        for row in self.touched.drain(..) {
-            let row = row as usize;
-            self.is_touched[row] = false;
-            let of_row = row * self.width..(row + 1) * self.width;
-            let values = self.values[of_row.clone()].iter_mut();
-            let moments =
-                self.mean[of_row.clone()].iter_mut().zip(&mut self.square[of_row.clone()]);
-            for ((value, (mean, square)), gradient) in
-                values.zip(moments).zip(&mut self.gradient[of_row])
+        match self.width {
+            1 => self.advance_rows(1, rate),
+            12 => self.advance_rows(12, rate),
+            width => self.advance_rows(width, rate),
+        }
+        self.touched.fill(0);
+    }
+
+    #[inline(always)]
+    fn advance_rows(&mut self, width: usize, rate: f32) {
+        let Self { values, mean, square, gradient, touched, .. } = self;
+        for_each(touched, |row| {
+            let values = values[row * width..][..width].iter_mut();
+            let means = mean[row * width..][..width].iter_mut();
+            let squares = square[row * width..][..width].iter_mut();
+            let gradients = gradient[row * width..][..width].iter_mut();
+            for ((value, (mean, square)), gradient) in values.zip(means.zip(squares)).zip(gradients)
             {
                 *mean += (1.0 - BETA[0]) * (*gradient - *mean);
                 *square += (1.0 - BETA[1]) * (*gradient * *gradient - *square);
                 *value -= rate * *mean / (square.sqrt() + EPSILON);
                 *gradient = 0.0;
             }
-        }
+        });
     }
 
     /// For a gradient check: a value that may be changed, and its gradient.
     #[cfg(test)]
     pub fn at(&mut self, index: usize) -> (&mut f32, f32) {
         (&mut self.values[index], self.gradient[index])
+    }
+}
+
+/// Does something for every row whose bit is set, in ascending order.
+#[inline(always)]
+fn for_each(touched: &[u64], mut of_row: impl FnMut(usize)) {
+    for (place, &word) in touched.iter().enumerate() {
+        let mut left = word;
+        while left != 0 {
+            of_row(64 * place + left.trailing_zeros() as usize);
+            left &= left - 1;
+        }
     }
 }
 
@@ -133,7 +157,7 @@ mod tests {
         rows.advance(0.1);
         let expected = [1.0, 1.0, 0.9, 1.1, 1.0, 1.0];
         assert!(rows.values.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-5));
-        assert!(rows.touched.is_empty());
+        assert_eq!(rows.touched, [0]);
     }
 
     #[test]

@@ -26,9 +26,10 @@ use vantage_lab::scheme;
 use crate::lpips::Lpips;
 use crate::metrics::{psnr, ssim};
 use crate::page;
-use crate::photos::{Photos, Picture, test_circle};
+use crate::photos::{Photos, Picture, test_circle, test_wave};
 use crate::plans::{self, Planner, Views};
 use crate::recipe::{Kind, Preset, Recipe};
+use crate::results::Study;
 use crate::runs::{Run, Settings, Store, csv};
 use crate::summary::{self, Summary, summarise};
 use crate::train::Trainer;
@@ -61,12 +62,15 @@ pub struct EvaluateArgs {
     /// Fields trained side by side, each on one thread [default: the processor's cores]
     #[arg(long, value_name = "J")]
     pub jobs: Option<usize>,
-    /// Test views on the circle, 1 to 200
+    /// Test views on a tilted circle, or between the lowest and highest elevation, 1 to 200
     #[arg(long, default_value_t = 24, value_name = "N")]
     pub test_views: usize,
     /// Measure LPIPS by this ONNX file: two pictures (1, 3, height, width) in [-1, 1], one number
     #[arg(long, value_name = "FILE")]
     pub lpips: Option<PathBuf>,
+    /// Add the runs, without their views, to a file from which `results` writes its page
+    #[arg(long, value_name = "FILE")]
+    pub keep: Option<PathBuf>,
     #[command(flatten)]
     pub model: ModelArgs,
     #[command(flatten)]
@@ -107,7 +111,10 @@ pub fn run(args: &EvaluateArgs) -> Result<()> {
     settings.recipe.check()?;
     let side = settings.photo_side;
     let camera = Camera::from_fov(side, side, FOV_X_RAD)?;
-    let test_poses = test_circle(args.test_views)?;
+    let test_poses = match args.pool.limits_deg() {
+        Some(limits) => test_wave(args.test_views, limits)?,
+        None => test_circle(args.test_views)?,
+    };
     let lpips = args.lpips.as_ref();
     let lpips = lpips.map(|file| Lpips::open(file, side as usize, side as usize)).transpose()?;
     let store = Store::open(&args.out, &settings)?;
@@ -151,12 +158,28 @@ pub fn run(args: &EvaluateArgs) -> Result<()> {
     store.write("psnr.svg", page::psnr_svg(&summary, &schemes)?.as_bytes())?;
     let html = page::page(&settings, &runs, &summary, &schemes, &store)?;
     let report = store.write("report.html", html.as_bytes())?;
+    if let Some(file) = &args.keep {
+        Study::keep(file, &command(), &runs)?;
+    }
     print!("{}", summary::table(&summary));
     eprintln!("wrote {}", report.display());
     if failed > 0 {
         bail!("{failed} objects were left out");
     }
     Ok(())
+}
+
+/// The command as it was typed, without where things were put.
+fn command() -> String {
+    let mut words = vec!["cargo vantage".to_owned()];
+    let mut rest = std::env::args().skip(1);
+    while let Some(word) = rest.next() {
+        match word.as_str() {
+            "--out" | "-o" | "--keep" | "--jobs" => drop(rest.next()),
+            _ => words.push(word),
+        }
+    }
+    words.join(" ")
 }
 
 /// The schemes by their own names, each once.
@@ -278,7 +301,7 @@ impl Sweep<'_> {
             self.bar.suspend(|| eprintln!("warning: {name}: {warning}"));
         }
         let renderer = Renderer::new(&object.mesh);
-        let planner = Planner::new(&object.mesh, self.poses, &self.args.schemes, self.networks)?;
+        let planner = Planner::new(&object.mesh, self.poses, self.networks)?;
         self.store.create(self.settings)?;
         let test = Photos::of_mesh(&renderer, self.camera, self.test_poses.to_vec());
         // One plan for all budgets, unless it is no greedy one.

@@ -49,6 +49,7 @@ mod page;
 pub mod photos;
 pub mod plans;
 pub mod recipe;
+pub mod results;
 pub mod runs;
 pub mod scene;
 pub mod summary;

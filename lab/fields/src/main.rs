@@ -5,6 +5,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 use vantage_fields::evaluate::{self, EvaluateArgs};
 use vantage_fields::one::{self, FieldArgs};
+use vantage_fields::results::{self, ResultsArgs};
 
 #[derive(Parser)]
 #[command(version, about, max_term_width = 100)]
@@ -17,12 +18,14 @@ struct Cli {
 enum Command {
     Evaluate(EvaluateArgs),
     Field(FieldArgs),
+    Results(ResultsArgs),
 }
 
 fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Evaluate(args) => evaluate::run(&args),
         Command::Field(args) => one::run(&args),
+        Command::Results(args) => results::run(&args),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -126,6 +126,20 @@ pub fn test_circle(count: usize) -> Result<Vec<Pose>> {
     (0..count).map(pose).collect()
 }
 
+/// Test views where nobody gets above or below two elevations in degrees: once around the object, three
+/// times up and down between them.
+pub fn test_wave(count: usize, [low, high]: [f32; 2]) -> Result<Vec<Pose>> {
+    ensure!((1..=200).contains(&count), "there are 1 to 200 test views, not {count}");
+    let pose = |index: usize| {
+        let turn = std::f32::consts::TAU * index as f32 / count as f32;
+        let elevation = 0.5 * (low + high) + 0.5 * (high - low) * (3.0 * turn).sin();
+        let (sin, cos) = elevation.to_radians().sin_cos();
+        let eye = Vec3::new(turn.cos() * cos, turn.sin() * cos, sin);
+        Ok(Pose::looking_at(eye * DISTANCE, Vec3::ZERO)?)
+    };
+    (0..count).map(pose).collect()
+}
+
 /// Views spread evenly over the sphere: what a field can do that has seen everything.
 pub fn dense_views(count: usize) -> Result<Vec<Pose>> {
     Ok(Pool::try_new(ViewSpace::FibonacciSphere, count, DISTANCE)?.iter().collect())
@@ -165,6 +179,18 @@ mod tests {
             assert!(pose.forward().dot(-position.normalize()) > 0.9999);
         }
         assert!(test_circle(0).is_err() && test_circle(201).is_err());
+    }
+
+    #[test]
+    fn test_views_of_a_hemisphere_stay_in_it() {
+        let poses = test_wave(24, [5.0, 60.0]).unwrap();
+        let elevation = |pose: &Pose| (pose.position().z / DISTANCE).asin().to_degrees();
+        let (low, high) = poses
+            .iter()
+            .map(elevation)
+            .fold((90.0f32, -90.0f32), |(low, high), at| (low.min(at), high.max(at)));
+        assert!((4.9..10.0).contains(&low) && (55.0..60.1).contains(&high), "{low} {high}");
+        assert!(test_wave(0, [5.0, 60.0]).is_err());
     }
 
     #[test]

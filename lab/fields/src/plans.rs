@@ -95,12 +95,11 @@ impl<'a> Planner<'a> {
     pub fn new(
         mesh: &Mesh,
         poses: &[Pose],
-        schemes: &[String],
         networks: &'a [(scheme::Network, Network)],
     ) -> Result<Self> {
         let camera = Camera::from_fov(RESOLUTION, RESOLUTION, FOV_X_RAD)?;
         let labelled = Labelled::new(mesh, &camera, poses.to_vec(), Reading::default(), || {})
-            .for_schemes(mesh, schemes.iter().map(String::as_str))?;
+            .with_support(mesh)?;
         let photos = if networks.is_empty() { Vec::new() } else { network::photos(mesh, poses)? };
         Ok(Self { labelled, photos, networks })
     }

@@ -56,6 +56,14 @@ pub struct Run {
     pub training_seconds: f64,
 }
 
+impl Run {
+    /// Whether another run is of the same object, scheme, seed and budget.
+    pub fn is_again(&self, other: &Self) -> bool {
+        (self.object.as_str(), self.scheme.as_str()) == (&other.object, &other.scheme)
+            && (self.seed, self.budget) == (other.seed, other.budget)
+    }
+}
+
 /// The folder of a sweep.
 pub struct Store {
     folder: PathBuf,

@@ -16,7 +16,8 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    fn of(values: &[f64]) -> Option<Self> {
+    /// Of a value for each object; none of no value.
+    pub fn of(values: &[f64]) -> Option<Self> {
         let value = mean(values.iter().copied())?;
         let of_draw = |drawn: &[usize]| mean(drawn.iter().map(|&object| values[object]));
         Some(Self { value, interval: interval(values.len(), of_draw) })

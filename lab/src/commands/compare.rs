@@ -251,9 +251,9 @@ impl Comparison<'_> {
         super::warn(&object, Some(bar));
         let label = |poses: Vec<Pose>| -> Result<Labelled> {
             let reading = args.score.reading();
-            let schemes = args.schemes.iter().map(String::as_str);
-            Labelled::new(&object.mesh, self.camera, poses, reading, || bar.inc(1))
-                .for_schemes(&object.mesh, schemes)
+            let labelled = Labelled::new(&object.mesh, self.camera, poses, reading, || bar.inc(1));
+            let supported = args.schemes.iter().any(|scheme| scheme::needs_support(scheme));
+            if supported { labelled.with_support(&object.mesh) } else { Ok(labelled) }
         };
         let mut compared = Compared::default();
         let common = if args.random_candidates { None } else { Some(label(self.poses.to_vec())?) };

@@ -130,8 +130,10 @@ pub fn run(args: &PlanArgs) -> Result<()> {
     let start = Instant::now();
     let reading = args.score.reading();
     let bar = super::progress("labelling", poses.len());
-    let labelled = Labelled::new(&object.mesh, &label_camera, poses, reading, || bar.inc(1))
-        .for_schemes(&object.mesh, [args.scheme()])?;
+    let mut labelled = Labelled::new(&object.mesh, &label_camera, poses, reading, || bar.inc(1));
+    if scheme::needs_support(args.scheme()) {
+        labelled = labelled.with_support(&object.mesh)?;
+    }
     bar.finish_and_clear();
     seconds.label = start.elapsed().as_secs_f64();
 

@@ -1,0 +1,382 @@
+//! `cargo vantage results`: the page of results from kept runs.
+//!
+//! [`Study`] files hold the runs that were kept of sweeps (`evaluate --keep FILE`); `page.md` beside
+//! them is the page with marks where tables go:
+//!
+//! | mark | what takes its place |
+//! |---|---|
+//! | `{{command STUDY}}` | the commands that made the runs |
+//! | `{{quality STUDY}}` | PSNR and SSIM of each scheme and budget, with intervals |
+//! | `{{against STUDY BASELINE}}` | paired differences of PSNR from a baseline, with intervals |
+//! | `{{objects STUDY BUDGET}}` | PSNR of each object and scheme at a budget |
+//! | `{{classes STUDY}}` | PSNR of each class, means over all budgets, beside the paper's |
+//! | `{{times STUDY}}` | seconds of planning and of training |
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
+use clap::Args;
+use serde::{Deserialize, Serialize};
+
+use crate::plans;
+use crate::runs::{Run, write_whole};
+use crate::summary::{Estimate, Summary, summarise};
+use vantage_lab::statistics::mean;
+
+/// Write the page of results from the runs that were kept
+#[derive(Args, Clone, Debug)]
+pub struct ResultsArgs {
+    /// Folder of the studies and of page.md
+    #[arg(default_value = "lab/results")]
+    pub folder: PathBuf,
+    /// The page
+    #[arg(long, short, default_value = "lab/RESULTS.md", value_name = "FILE")]
+    pub out: PathBuf,
+}
+
+/// Writes the page.
+pub fn run(args: &ResultsArgs) -> Result<()> {
+    let text = page(&args.folder)?;
+    write_whole(&args.out, text.as_bytes())?;
+    eprintln!("wrote {}", args.out.display());
+    Ok(())
+}
+
+/// Runs of one question.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Study {
+    /// The commands that made them, first to last.
+    pub commands: Vec<String>,
+    /// In the order in which they were kept; without their views.
+    pub runs: Vec<Run>,
+}
+
+impl Study {
+    /// Reads a file.
+    pub fn open(path: &Path) -> Result<Self> {
+        let text = fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
+        serde_json::from_slice(&text)
+            .with_context(|| format!("{} is no study: name another file", path.display()))
+    }
+
+    /// Adds runs to a file, which need not exist; those of the same object, scheme, seed and budget are
+    /// replaced.
+    pub fn keep(path: &Path, command: &str, runs: &[Run]) -> Result<()> {
+        let mut study = if path.exists() { Self::open(path)? } else { Self::default() };
+        if !study.commands.iter().any(|known| known == command) {
+            study.commands.push(command.to_owned());
+        }
+        for run in runs {
+            let run = Run { object: name_of(&run.object), views: None, ..run.clone() };
+            match study.runs.iter_mut().find(|known| known.is_again(&run)) {
+                Some(known) => *known = run,
+                None => study.runs.push(run),
+            }
+        }
+        // A run a line, so that a change shows.
+        let commands = serde_json::to_string(&study.commands)?;
+        let runs: Vec<String> =
+            study.runs.iter().map(serde_json::to_string).collect::<serde_json::Result<_>>()?;
+        let text = format!("{{\"commands\":{commands},\"runs\":[\n{}\n]}}\n", runs.join(",\n"));
+        write_whole(path, text.as_bytes())
+    }
+
+    fn summary(&self) -> Summary {
+        summarise(&self.runs, &self.schemes(), &self.budgets())
+    }
+
+    /// Those planned, in the order in which they were kept, and those in hindsight that follow.
+    fn schemes(&self) -> Vec<String> {
+        let mut schemes: Vec<String> = Vec::new();
+        for run in &self.runs {
+            if !schemes.contains(&run.scheme) {
+                schemes.push(run.scheme.clone());
+            }
+        }
+        schemes.extend(plans::HINDSIGHT.iter().map(|(name, _)| (*name).to_owned()));
+        schemes
+    }
+
+    fn budgets(&self) -> Vec<usize> {
+        let mut budgets: Vec<usize> = self.runs.iter().map(|run| run.budget).collect();
+        budgets.sort_unstable();
+        budgets.dedup();
+        budgets
+    }
+}
+
+/// A file's stem, or the name of what is no file.
+fn name_of(object: &str) -> String {
+    let stem = Path::new(object).file_stem().filter(|_| object.contains('.'));
+    stem.map_or(object.to_owned(), |stem| stem.to_string_lossy().into_owned())
+}
+
+/// The page of a folder.
+pub fn page(folder: &Path) -> Result<String> {
+    let path = folder.join("page.md");
+    let text =
+        fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
+    let mut studies: BTreeMap<String, (Study, Summary)> = BTreeMap::new();
+    let mut page = String::new();
+    for line in text.lines() {
+        let Some(mark) = line.strip_prefix("{{").and_then(|rest| rest.strip_suffix("}}")) else {
+            page += line;
+            page.push('\n');
+            continue;
+        };
+        let words: Vec<&str> = mark.split_whitespace().collect();
+        let Some(&name) = words.get(1) else {
+            bail!("{}: the mark {line} names no study", path.display());
+        };
+        if !studies.contains_key(name) {
+            let study = Study::open(&folder.join(name).with_extension("json"))?;
+            let summary = study.summary();
+            studies.insert(name.to_owned(), (study, summary));
+        }
+        let (study, summary) = &studies[name];
+        page += &match words.as_slice() {
+            ["command", _] => format!("```sh\n{}\n```\n", study.commands.join("\n")),
+            ["quality", _] => quality(summary),
+            ["against", _, baseline] => against(summary, baseline),
+            ["objects", _, budget] => {
+                let budget = budget.parse().with_context(|| format!("no budget in {line}"))?;
+                of_objects(study, budget)
+            }
+            ["classes", _] => classes(study),
+            ["times", _] => times(summary),
+            _ => bail!("{}: there is no mark {line}", path.display()),
+        };
+    }
+    Ok(page)
+}
+
+fn cell(estimate: &Estimate, decimals: usize, sign: bool) -> String {
+    let number = |value: f64| {
+        if sign { format!("{value:+.decimals$}") } else { format!("{value:.decimals$}") }
+    };
+    let ends = estimate.interval.map(|[low, high]| format!(" [{}, {}]", number(low), number(high)));
+    format!("{}{}", number(estimate.value), ends.unwrap_or_default())
+}
+
+/// A table with a column for each budget; `of` gives a scheme's cells.
+fn by_budget(
+    summary: &Summary,
+    corner: &str,
+    of: impl Fn(&str, usize) -> Option<String>,
+) -> String {
+    let (mut schemes, mut budgets) = (Vec::new(), Vec::new());
+    for row in &summary.rows {
+        if !schemes.contains(&row.scheme.as_str()) {
+            schemes.push(row.scheme.as_str());
+        }
+        if !budgets.contains(&row.budget) {
+            budgets.push(row.budget);
+        }
+    }
+    let mut text = format!("| {corner} |");
+    for budget in &budgets {
+        let _ = write!(text, " B = {budget} |");
+    }
+    text += "\n|---|";
+    text += &"---|".repeat(budgets.len());
+    for scheme in schemes {
+        let cells: Vec<Option<String>> = budgets.iter().map(|&b| of(scheme, b)).collect();
+        if cells.iter().any(Option::is_some) {
+            let cells: Vec<String> = cells.into_iter().map(Option::unwrap_or_default).collect();
+            let _ = write!(text, "\n| {scheme} | {} |", cells.join(" | "));
+        }
+    }
+    text.push('\n');
+    text
+}
+
+fn quality(summary: &Summary) -> String {
+    by_budget(summary, "PSNR in dB, SSIM", |scheme, budget| {
+        let row = summary.rows.iter().find(|row| row.scheme == scheme && row.budget == budget)?;
+        Some(format!("{}, {}", cell(&row.psnr, 2, false), cell(&row.ssim, 3, false)))
+    })
+}
+
+fn against(summary: &Summary, baseline: &str) -> String {
+    by_budget(summary, &format!("PSNR less that of {baseline}, dB"), |scheme, budget| {
+        let difference = summary.differences.iter().find(|row| {
+            (row.scheme.as_str(), row.minus.as_str(), row.budget) == (scheme, baseline, budget)
+        })?;
+        let (wins, all) = (difference.wins, difference.of_objects.len());
+        Some(format!("{}, better on {wins} of {all}", cell(&difference.psnr, 2, true)))
+    })
+}
+
+fn of_objects(study: &Study, budget: usize) -> String {
+    let schemes = study.schemes();
+    let mut objects: Vec<&str> = study.runs.iter().map(|run| run.object.as_str()).collect();
+    objects.sort_unstable();
+    objects.dedup();
+    let column = |object: &str| {
+        let runs: Vec<Run> =
+            study.runs.iter().filter(|run| run.object == object).cloned().collect();
+        let summary = summarise(&runs, &schemes, &[budget]);
+        schemes
+            .iter()
+            .map(|scheme| {
+                let row = summary.rows.iter().find(|row| row.scheme == *scheme);
+                row.map_or(String::new(), |row| format!("{:.2}", row.psnr.value))
+            })
+            .collect::<Vec<_>>()
+    };
+    let rows: Vec<Vec<String>> = objects.iter().map(|object| column(object)).collect();
+    let used: Vec<usize> =
+        (0..schemes.len()).filter(|&s| rows.iter().any(|row| !row[s].is_empty())).collect();
+    let pick = |cells: &[String]| -> String {
+        used.iter().map(|&s| cells[s].as_str()).collect::<Vec<_>>().join(" | ")
+    };
+    let mut text = format!("| PSNR in dB, B = {budget} | {} |\n|---|", pick(&schemes));
+    text += &"---|".repeat(used.len());
+    for (object, row) in objects.iter().zip(&rows) {
+        let _ = write!(text, "\n| {} | {} |", object.replace('_', " "), pick(row));
+    }
+    text.push('\n');
+    text
+}
+
+/// PSNR in dB of TensoRF on views of Random, E and Optimal CQDT, means over budgets: table
+/// `tab:result_1` of SO-NeRF (Lee et al., 2023).
+const PAPER: [(&str, [f64; 3]); 18] = [
+    ("bookcase", [28.94, 30.37, 30.42]),
+    ("chair", [29.33, 29.59, 30.00]),
+    ("cone", [27.64, 28.37, 28.59]),
+    ("control", [29.33, 30.41, 30.48]),
+    ("earphone", [29.16, 29.74, 30.05]),
+    ("fan", [27.30, 27.01, 26.98]),
+    ("fireplug", [30.21, 30.37, 31.30]),
+    ("globe", [25.54, 26.05, 26.14]),
+    ("gravestone", [31.43, 31.52, 31.59]),
+    ("guitar", [32.22, 32.43, 32.33]),
+    ("lion", [30.53, 30.70, 30.57]),
+    ("shoe", [26.23, 26.97, 26.73]),
+    ("snowman", [32.01, 32.49, 32.62]),
+    ("soccer_ball", [25.53, 24.24, 25.10]),
+    ("sunglasses", [28.26, 28.01, 28.61]),
+    ("teddy_bear", [30.92, 31.44, 31.53]),
+    ("toilet", [28.95, 29.53, 30.13]),
+    ("vase", [29.75, 30.92, 30.97]),
+];
+
+/// The schemes of the paper's columns.
+const COLUMNS: [&str; 3] = ["random", "e", "optimal-cqdt"];
+
+fn classes(study: &Study) -> String {
+    let schemes = COLUMNS.map(str::to_owned);
+    let budgets = study.budgets();
+    let mean_of = |object: &str| -> Option<[f64; 3]> {
+        let runs: Vec<Run> =
+            study.runs.iter().filter(|run| run.object == object).cloned().collect();
+        let summary = summarise(&runs, &schemes, &budgets);
+        let of_scheme = |scheme: &str| {
+            let rows = summary.rows.iter().filter(|row| row.scheme == scheme);
+            mean(rows.map(|row| row.psnr.value))
+        };
+        Some([of_scheme(COLUMNS[0])?, of_scheme(COLUMNS[1])?, of_scheme(COLUMNS[2])?])
+    };
+    let mut text = "| class | paper: Random, E, Optimal CQDT | here: Random, E, Optimal CQDT | \
+                    paper: E - Random | here |\n|---|---|---|---|---|\n"
+        .to_owned();
+    let mut gains: [Vec<f64>; 2] = Default::default();
+    for (class, paper) in &PAPER {
+        let Some(own) = mean_of(&format!("class:{class}")) else { continue };
+        let three = |[a, b, c]: &[f64; 3]| format!("{a:.2}, {b:.2}, {c:.2}");
+        let both = [paper[1] - paper[0], own[1] - own[0]];
+        for (gains, gain) in gains.iter_mut().zip(both) {
+            gains.push(gain);
+        }
+        let _ = writeln!(
+            text,
+            "| {} | {} | {} | {:+.2} | {:+.2} |",
+            class.replace('_', " "),
+            three(paper),
+            three(&own),
+            both[0],
+            both[1]
+        );
+    }
+    let estimates = gains.each_ref().map(|gains| Estimate::of(gains));
+    if let [Some(paper), Some(own)] = &estimates {
+        let _ = writeln!(text, "| mean | | | {} | {} |", cell(paper, 2, true), cell(own, 2, true));
+    }
+    text
+}
+
+fn times(summary: &Summary) -> String {
+    by_budget(summary, "seconds of planning, of training", |scheme, budget| {
+        let row = summary.rows.iter().find(|row| row.scheme == scheme && row.budget == budget)?;
+        Some(format!("{:.2}, {:.1}", row.planning_seconds, row.training_seconds))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::runs::tests::run;
+
+    fn folder_of(page: &str) -> tempfile::TempDir {
+        let home = tempfile::tempdir().unwrap();
+        fs::write(home.path().join("page.md"), page).unwrap();
+        let file = home.path().join("small.json");
+        let mut runs = Vec::new();
+        for (object, base) in [("../a.glb", 20.0), ("b_c", 30.0)] {
+            for seed in 0..2 {
+                runs.push(run(object, "random", seed, 6, base + seed as f64));
+            }
+            runs.push(run(object, "fps", 0, 6, base + 1.0));
+        }
+        Study::keep(&file, "first", &runs[..3]).unwrap();
+        Study::keep(&file, "second", &runs).unwrap();
+        home
+    }
+
+    #[test]
+    fn marks_become_tables() {
+        let home =
+            folder_of("Title\n{{command small}}\n{{against small random}}\n{{objects small 6}}\n");
+        let page = page(home.path()).unwrap();
+        let expected = "Title\n```sh\nfirst\nsecond\n```\n\
+            | PSNR less that of random, dB | B = 6 |\n|---|---|\n\
+            | fps | +0.50 [+0.50, +0.50], better on 2 of 2 |\n\
+            | PSNR in dB, B = 6 | random | fps |\n|---|---|---|\n\
+            | a | 20.50 | 21.00 |\n| b c | 30.50 | 31.00 |\n";
+        assert_eq!(page, expected);
+    }
+
+    #[test]
+    fn runs_are_kept_once_and_without_their_views() {
+        let home = folder_of("");
+        let study = Study::open(&home.path().join("small.json")).unwrap();
+        assert_eq!(study.runs.len(), 6);
+        assert!(study.runs.iter().all(|run| run.views.is_none()));
+        assert_eq!(study.commands, ["first", "second"]);
+    }
+
+    #[test]
+    fn what_cannot_be_is_told() {
+        for (mark, told) in [
+            ("{{quality}}", "names no study"),
+            ("{{quality other}}", "cannot read"),
+            ("{{best small}}", "there is no mark"),
+            ("{{objects small x}}", "no budget"),
+        ] {
+            let error = format!("{:#}", page(folder_of(mark).path()).unwrap_err());
+            assert!(error.contains(told), "{error}");
+        }
+    }
+
+    #[test]
+    fn the_page_in_the_repository_is_the_one_of_its_runs() {
+        let lab = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+        let known = fs::read_to_string(lab.join("RESULTS.md")).unwrap();
+        let made = page(&lab.join("results")).unwrap();
+        assert!(known == made, "run `cargo vantage results`: lab/RESULTS.md is not of these runs");
+    }
+}
