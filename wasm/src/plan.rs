@@ -18,11 +18,13 @@ export type Scheme =
   | "farthest-point" | "pseudo-coverage" | "random";
 
 /** A whole plan. Without `seed` it is 0. `movementCost` in [0, 1] is the share of a gain that half a
- *  turn around `centre` costs; without `centre` (metres) it is the pool's. `stop` ends the session
- *  after `patience` choices in a row that promised less than `gain`. `start` and `startViews` say how
- *  and how many first views are chosen; usually 3, farthest from each other. */
+ *  turn around `centre` costs; without `centre` (metres) it is the pool's. `dispersion` in [0, 1] is how
+ *  far from all photos so far the next one must be, as a share of the distance that the farthest candidate
+ *  has; only what asks for gains minds it. `stop` ends the session after `patience` choices in a row that
+ *  promised less than `gain`. `start` and `startViews` say how and how many first views are chosen;
+ *  usually 3, farthest from each other. */
 export type Plan = {
-  scheme: Scheme; budget: number; seed?: number; movementCost?: number;
+  scheme: Scheme; budget: number; seed?: number; movementCost?: number; dispersion?: number;
   stop?: { gain: number; patience: number };
   start?: "farthest-point" | "pseudo-coverage"; startViews?: number; centre?: Point;
 };
@@ -43,6 +45,9 @@ pub fn read(plan: &JsValue, centre: Vec3) -> Result<Plan, Refusal> {
     }
     if let Some(cost) = input::optional_number(plan, "movementCost")? {
         read = read.with_movement_cost(cost as f32);
+    }
+    if let Some(share) = input::optional_number(plan, "dispersion")? {
+        read = read.with_dispersion(share as f32);
     }
     if let Some(stop) = input::field(plan, "stop") {
         let patience = input::number(&stop, "patience")?;
@@ -82,7 +87,7 @@ fn of_scheme(name: &str, budget: usize) -> Option<Plan> {
 pub fn needs_model(plan: &Plan) -> bool {
     match plan.scheme() {
         Scheme::Random | Scheme::FarthestPoint => false,
-        Scheme::Single(_) | Scheme::Ensemble(_) | Scheme::Sum => true,
+        Scheme::Single(_) | Scheme::Ensemble(_) | Scheme::Sum | Scheme::Support => true,
     }
 }
 

@@ -25,7 +25,7 @@ const TYPES: &str = r#"
  *  in metres for "farthest"; 0 for "start" and "chance". */
 export type NextView = {
   index: number; pose: Float32Array; gain: number; objective?: Objective;
-  reason: "start" | "chance" | "farthest" | "all-objectives" | Objective; why: string;
+  reason: "start" | "chance" | "farthest" | "all-objectives" | "support" | Objective; why: string;
 };
 
 /** Why there is no next view. */

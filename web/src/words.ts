@@ -16,6 +16,8 @@ export function reasonWords(reason: Reason): string {
       return "This side looks detailed.";
     case "all-objectives":
       return "Best of everything together from here.";
+    case "support":
+      return "Nothing has been seen from near here.";
     case "farthest":
       return "Far from every photo so far.";
     case "start":

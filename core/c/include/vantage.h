@@ -192,6 +192,10 @@ enum vantage_reason
      Most gain over all four objectives.
      */
     VANTAGE_REASON_ALL_OBJECTIVES = 7,
+    /*
+     Most support for what later views will look for; no scheme of this header asks for it.
+     */
+    VANTAGE_REASON_SUPPORT = 8,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L

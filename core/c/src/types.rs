@@ -61,6 +61,8 @@ pub enum Reason {
     Texture = 6,
     /// Most gain over all four objectives.
     AllObjectives = 7,
+    /// Most support for what later views will look for; no scheme of this header asks for it.
+    Support = 8,
 }
 
 /// Why there is no next view.
@@ -257,6 +259,7 @@ impl From<CoreReason> for Reason {
             CoreReason::Objective(Objective::Diversity) => Self::Diversity,
             CoreReason::Objective(Objective::Texture) => Self::Texture,
             CoreReason::AllObjectives => Self::AllObjectives,
+            CoreReason::Support => Self::Support,
         }
     }
 }
