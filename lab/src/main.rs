@@ -35,6 +35,8 @@ enum Command {
     /// Compare schemes by the radiance fields that are trained on their views (builds a
     /// deep-learning library first: some minutes, once)
     Evaluate(train::NetworkArgs),
+    /// Search for the best views by training fields on them: what there is to win for a planner
+    Ceiling(train::NetworkArgs),
     /// Train one radiance field of an object and measure it
     Field(train::NetworkArgs),
     /// Write the page of results from the runs that were kept of sweeps
@@ -52,6 +54,7 @@ fn main() -> ExitCode {
         Command::Quantize(args) => train::run(Program::Train, "quantize", &args),
         Command::Card(args) => train::run(Program::Train, "card", &args),
         Command::Evaluate(args) => train::run(Program::Fields, "evaluate", &args),
+        Command::Ceiling(args) => train::run(Program::Fields, "ceiling", &args),
         Command::Field(args) => train::run(Program::Fields, "field", &args),
         Command::Results(args) => train::run(Program::Fields, "results", &args),
     };

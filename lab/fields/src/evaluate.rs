@@ -48,7 +48,7 @@ pub struct EvaluateArgs {
     #[arg(long, value_delimiter = ',', default_value = "6,12,20")]
     pub budgets: Vec<usize>,
     /// The field that is trained
-    #[arg(long, value_enum, default_value = "tensorf")]
+    #[arg(long, value_enum, default_value = "plenoxels")]
     pub field: Kind,
     /// Its size, and that of the photos
     #[arg(long, value_enum, default_value = "small")]

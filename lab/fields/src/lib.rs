@@ -34,6 +34,7 @@
 //! ```
 
 mod adam;
+pub mod ceiling;
 #[cfg(test)]
 mod checks;
 pub mod evaluate;

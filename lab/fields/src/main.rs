@@ -3,6 +3,7 @@
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+use vantage_fields::ceiling::{self, CeilingArgs};
 use vantage_fields::evaluate::{self, EvaluateArgs};
 use vantage_fields::one::{self, FieldArgs};
 use vantage_fields::results::{self, ResultsArgs};
@@ -17,6 +18,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Evaluate(EvaluateArgs),
+    Ceiling(CeilingArgs),
     Field(FieldArgs),
     Results(ResultsArgs),
 }
@@ -24,6 +26,7 @@ enum Command {
 fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Evaluate(args) => evaluate::run(&args),
+        Command::Ceiling(args) => ceiling::run(&args),
         Command::Field(args) => one::run(&args),
         Command::Results(args) => results::run(&args),
     };
