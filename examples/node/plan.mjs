@@ -23,7 +23,9 @@ const MARGIN_RAD = 0.26; // above and below what was reached
 
 /** The frames of transforms.json: file, matrix, and the lens in pixels. */
 async function readFrames(folder) {
-  const top = JSON.parse(await readFile(join(folder, "transforms.json"), "utf8"));
+  const file = join(folder, "transforms.json");
+  if (!existsSync(file)) throw new Error(`there is no ${file}: name the folder of a capture`);
+  const top = JSON.parse(await readFile(file, "utf8"));
   if (!Array.isArray(top.frames) || top.frames.length === 0) throw new Error("transforms.json has no frames");
   return top.frames.map((frame) => {
     const { file_path: named, transform_matrix: matrix } = frame;
@@ -114,21 +116,29 @@ function nextViews({ session, taken, inFile }, count) {
   return views;
 }
 
-const { values, positionals } = parseArgs({
-  allowPositionals: true,
-  options: { next: { type: "string", default: "5" }, json: { type: "boolean", default: false } },
-});
-const [folder] = positionals;
-const count = Number(values.next);
-if (folder === undefined || !Number.isInteger(count) || count < 1) {
+/** The folder and the number of views from the command line; undefined where it says something else. */
+function read(args) {
+  const options = { next: { type: "string", default: "5" }, json: { type: "boolean", default: false } };
+  try {
+    const { values, positionals } = parseArgs({ args, allowPositionals: true, options });
+    const count = Number(values.next);
+    if (positionals.length === 1 && Number.isInteger(count) && count >= 1) return { folder: positionals[0], count, isJson: values.json };
+  } catch {
+    // Node's words for an unknown option go on about quoting; the usage says it.
+  }
+}
+
+const asked = read(process.argv.slice(2));
+if (!asked) {
   console.error("usage: node plan.mjs FOLDER [--next K] [--json]");
   process.exit(2);
 }
+const { folder, count, isJson } = asked;
 try {
   const capture = await begin(await load(), folder, (line) => console.error(`warning: ${line}`));
   const { scores, gainLeft } = capture.session.progress();
   const views = nextViews(capture, count);
-  if (values.json) {
+  if (isJson) {
     console.log(JSON.stringify({ photos: capture.taken.length, scores, gainLeft, next: views }, null, 2));
   } else {
     const share = (value) => `${(100 * value).toFixed(1)} %`;
@@ -139,7 +149,7 @@ try {
     console.log("Next views:");
     views.forEach((view, index) => {
       console.log(
-        `  ${index + 1}. ${view.elevationDeg.toFixed(0)}° above the horizon, ` +
+        `  ${index + 1}. ${Math.abs(view.elevationDeg).toFixed(0)}° ${view.elevationDeg < 0 ? "below" : "above"} the horizon, ` +
           `${view.apartDeg.toFixed(0)}° from ${basename(view.nearestPhoto)}: ${view.why} (+${share(view.gain)})`,
       );
     });

@@ -35,7 +35,7 @@ const ELEVATIONS_DEG: [f32; 2] = [30.0, 50.0];
 const DISTANCE_M: f32 = 0.42;
 
 /// Frames at a stop, and on the way to the next.
-const STEADY_FRAMES: u32 = 7;
+const STEADY_FRAMES: u32 = 10;
 const MOVING_FRAMES: u32 = 5;
 
 /// Frames spoilt in one way.

@@ -1,13 +1,13 @@
 //! A line to a device: a serial port, or a TCP connection to an emulator.
 //!
-//! A port that is lost, because the cable was pulled or the emulator ended, is opened again when
-//! something is to be sent: to the conversation it is silence.
+//! A port that is lost, because the cable was pulled or the emulator ended, is opened again as soon as
+//! it is back: to the conversation it is silence.
 
 use std::convert::Infallible;
 use std::io::{self, Read, Write};
 use std::net::TcpStream;
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result};
 use serial2::SerialPort;
@@ -19,6 +19,9 @@ enum Address {
     Tcp(String),
     Serial(String, u32), // and bits a second
 }
+
+/// A lost port is looked for so often.
+const RETRY: Duration = Duration::from_millis(100);
 
 /// An open line.
 pub struct Port {
@@ -65,6 +68,15 @@ impl Port {
         })?;
         Ok(Self { address, patience, stream: Some(stream), waiting: Vec::new() })
     }
+
+    /// Waits until a lost port is back, or patience is at its end.
+    fn await_return(&mut self) {
+        let lost = Instant::now();
+        while self.stream.is_none() && lost.elapsed() < self.patience {
+            thread::sleep(RETRY.min(self.patience));
+            self.stream = self.address.open(self.patience).ok();
+        }
+    }
 }
 
 impl Line for Port {
@@ -92,7 +104,7 @@ impl Line for Port {
         }
         let mut bytes = [0; 256];
         let Some(stream) = &mut self.stream else {
-            thread::sleep(self.patience); // it may come back
+            self.await_return();
             return Ok(None);
         };
         match stream.read(&mut bytes) {
@@ -144,6 +156,27 @@ mod tests {
         assert_eq!(byte, *b"x");
         second.write_all(b"c").unwrap();
         assert_eq!(port.receive(), Ok(Some(b'c')));
+    }
+
+    #[test]
+    fn a_port_that_is_gone_is_awaited_no_longer_than_it_is_gone() {
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        let address = listener.local_addr().unwrap();
+        let patience = Duration::from_secs(600);
+        let mut port = Port::open(&format!("tcp:{address}"), 0, patience).unwrap();
+        drop(listener.accept().unwrap());
+        drop(listener);
+        assert_eq!(port.receive(), Ok(None)); // notices
+        port.send(b"lost").unwrap();
+        let back = thread::spawn(move || {
+            thread::sleep(2 * RETRY);
+            TcpListener::bind(address).unwrap().accept().unwrap().0
+        });
+        assert_eq!(port.receive(), Ok(None));
+        port.send(b"x").unwrap();
+        let mut byte = [0];
+        back.join().unwrap().read_exact(&mut byte).unwrap();
+        assert_eq!(byte, *b"x");
     }
 
     #[cfg(unix)]

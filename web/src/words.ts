@@ -78,8 +78,8 @@ export function percent(share: number): string {
   return `${Math.abs(value) < 0.95 ? value.toFixed(1) : Math.round(value)} %`;
 }
 
-/** A number of bytes as people read it. */
+/** A number of bytes as people read it; number and unit stay on one line. */
 export function bytes(count: number): string {
-  if (count < 1e6) return `${Math.max(1, Math.round(count / 1e3))} kB`;
-  return count < 1e9 ? `${(count / 1e6).toFixed(1)} MB` : `${(count / 1e9).toFixed(1)} GB`;
+  if (count < 1e6) return `${Math.max(1, Math.round(count / 1e3))}\u00a0kB`;
+  return count < 1e9 ? `${(count / 1e6).toFixed(1)}\u00a0MB` : `${(count / 1e9).toFixed(1)}\u00a0GB`;
 }

@@ -237,6 +237,10 @@ impl Drop for Machine {
     }
 }
 
+/// A command is sent again after so many seconds, eight times; an emulator that gets a twentieth of a
+/// busy core needs half a minute for a view.
+const PATIENCE_S: &str = "20";
+
 /// Lets `cargo vantage device` plan with a device in QEMU, which loses power twice on the way; says
 /// what came of it.
 fn talk(workspace: &Workspace, machine: &str, folder: &Path) -> Result<String> {
@@ -254,7 +258,7 @@ fn talk(workspace: &Workspace, machine: &str, folder: &Path) -> Result<String> {
 
     let mut emulator = Some(power()?);
     let name = format!("tcp:127.0.0.1:{port}");
-    let device = ["device", "--port", &name, "--patience", "3"];
+    let device = ["device", "--port", &name, "--patience", PATIENCE_S];
     await_port(port)?;
     let mut plan = command::new(&workspace.root, &vantage);
     plan.args(device).args(["plan", "vase", "--budget", "7", "--candidates", "40"]);

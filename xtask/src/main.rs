@@ -119,9 +119,9 @@ fn run(arguments: &[String]) -> Result<ExitCode> {
             wasm::build(&workspace)?;
         }
         "serve" => {
-            let port = serve::port(rest)?;
+            let listener = serve::listen(rest)?; // before minutes of building
             require(&workspace, &[Need::Wasm32, Need::Npm])?;
-            serve::serve(&web::build(&workspace)?, port)?;
+            serve::serve(&web::build(&workspace)?, &listener)?;
         }
         "models" => models::make(&workspace, models::real(rest)?)?,
         other => bail!("there is no task `{other}`; see `cargo xtask help`"),

@@ -14,20 +14,24 @@ const DEFAULT_PORT: u16 = 8080;
 /// A request's head may not be longer than this, bytes.
 const HEAD_LIMIT: u64 = 16 * 1024;
 
-/// The port that the arguments of `serve` ask for.
-pub fn port(arguments: &[String]) -> Result<u16> {
-    match arguments {
-        [] => Ok(DEFAULT_PORT),
-        [port] => port.parse().with_context(|| format!("`{port}` is no port; try {DEFAULT_PORT}")),
+/// Opens the port that the arguments of `serve` ask for.
+pub fn listen(arguments: &[String]) -> Result<TcpListener> {
+    let port = match arguments {
+        [] => DEFAULT_PORT,
+        [port] => {
+            port.parse().with_context(|| format!("`{port}` is no port; try {DEFAULT_PORT}"))?
+        }
         _ => bail!("`serve` takes at most one argument, the port"),
-    }
+    };
+    TcpListener::bind((Ipv4Addr::LOCALHOST, port)).with_context(|| {
+        format!("port {port} cannot be opened; name another: `cargo xtask serve 8081`")
+    })
 }
 
 /// Serves a folder until the program is ended.
-pub fn serve(folder: &Path, port: u16) -> Result<()> {
+pub fn serve(folder: &Path, listener: &TcpListener) -> Result<()> {
     let folder = folder.canonicalize().context("the page is not built")?;
-    let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port))
-        .with_context(|| format!("port {port} cannot be opened; name another one"))?;
+    let port = listener.local_addr()?.port();
     println!("http://localhost:{port} serves {}; Ctrl-C ends it", folder.display());
     println!("{}", on_a_phone(port));
     for stream in listener.incoming().flatten() {
@@ -140,6 +144,15 @@ mod tests {
     #[test]
     fn other_methods_are_refused() {
         assert!(get("POST /Cargo.toml HTTP/1.1").starts_with("HTTP/1.1 405"));
+    }
+
+    #[test]
+    fn a_port_that_is_taken_or_none_is_refused() {
+        let taken = listen(&["0".into()]).unwrap();
+        let port = taken.local_addr().unwrap().port().to_string();
+        for words in [vec![port], vec!["65536".into()], vec!["x".into()], vec!["1".into(); 2]] {
+            assert!(listen(&words).is_err(), "{words:?}");
+        }
     }
 
     #[test]
