@@ -21,6 +21,9 @@ use core::mem::MaybeUninit;
 use super::windows::{self, Lines, Shape, is_whole};
 use super::{Addition, EDGE, GROUP, Grid, Linear, Rows, Tile, scalar};
 
+mod depthwise;
+
+pub use depthwise::depthwise;
 pub use scalar::fully_connected_wide;
 
 /// Columns that are widened at once, 2 KiB of stack.

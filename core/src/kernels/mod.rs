@@ -34,6 +34,10 @@ mod windows;
 #[allow(unsafe_code, reason = "memory that has been measured before")]
 mod vectors;
 
+#[cfg(any(vantage_x86, vantage_wasm))]
+#[allow(unsafe_code, reason = "memory that has been measured before")]
+mod depthwise;
+
 #[cfg(vantage_dsp)]
 #[allow(unsafe_code, reason = "instructions that the language has no name for")]
 pub mod arm_dsp;
@@ -56,8 +60,8 @@ use wasm_simd as chosen;
 use x86 as chosen;
 
 pub use chosen::{
-    accumulate, add_residual, convolve, convolve_colours, fully_connected, fully_connected_wide,
-    pointwise, requantize_all,
+    accumulate, add_residual, convolve, convolve_colours, depthwise, fully_connected,
+    fully_connected_wide, pointwise, requantize_all,
 };
 pub use tile::{EDGE, GROUP, LANES, Order, Tile, pack, unpack};
 

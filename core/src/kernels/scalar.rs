@@ -154,6 +154,48 @@ pub fn convolve_colours(
     });
 }
 
+/// A convolution with a window of 3 x 3 pixels of every channel by itself. No shipped network has one.
+///
+/// Shapes: `input` (side, side, channels), weights (channels, 9 = (row, column)), `output` (side /
+/// stride, side / stride, channels), rounded up. Windows are centred as those of [`convolve`]; where the
+/// input has not as many channels as the map has rows, nothing is done.
+pub fn depthwise(
+    map: &Linear<'_>,
+    stride: usize,
+    input: &Grid<'_>,
+    _rows: &mut Rows,
+    output: &mut [i8],
+) {
+    if input.channels != map.bias.len() {
+        return;
+    }
+    each_window(map, stride, input, output, |y, x, output| {
+        let mut window = [None; 9];
+        for (place, there) in window.iter_mut().enumerate() {
+            *there = pixel(input, y + place / 3, x + place % 3);
+        }
+        let blocks = map.weights.chunks_exact(map.stride()).zip(output.chunks_mut(EDGE));
+        let lists = map.bias.chunks(EDGE).zip(map.multipliers.chunks(EDGE));
+        for (first, ((tiles, output), (bias, multipliers))) in
+            (0..).step_by(EDGE).zip(blocks.zip(lists))
+        {
+            let mut sums = sums(&[], bias, &[]);
+            for (tile, pixels) in tiles.iter().zip(window.chunks(EDGE)) {
+                for ((channel, sum), weights) in (first..).zip(&mut sums).zip(unpack(tile)) {
+                    for (weight, pixel) in weights.into_iter().zip(pixels) {
+                        let there = pixel.and_then(|pixel| pixel.get(channel));
+                        let value = i32::from(there.copied().unwrap_or(input.border));
+                        *sum = sum.wrapping_add(i32::from(weight) * value);
+                    }
+                }
+            }
+            for ((output, sum), multiplier) in output.iter_mut().zip(sums).zip(multipliers) {
+                *output = requantize(sum, i32::from_le_bytes(*multiplier), map.zero, map.low);
+            }
+        }
+    });
+}
+
 /// Calls `each` with the row and the column before an output pixel's window, both one too large so
 /// that nothing is negative, and with the output pixel.
 fn each_window(

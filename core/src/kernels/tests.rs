@@ -81,12 +81,13 @@ impl Owned {
         i128::from(self.bias[row]) + products.sum::<i128>()
     }
 
+    fn expected_of(&self, row: usize, input: &[i8]) -> i8 {
+        let scaled = rounded(self.sum(row, input) * i128::from(self.multipliers[row]), 32);
+        (scaled + i128::from(self.zero)).clamp(i128::from(self.low()), 127) as i8
+    }
+
     fn expected(&self, input: &[i8]) -> Vec<i8> {
-        let byte = |row| {
-            let scaled = rounded(self.sum(row, input) * i128::from(self.multipliers[row]), 32);
-            (scaled + i128::from(self.zero)).clamp(i128::from(self.low()), 127) as i8
-        };
-        (0..self.rows.len()).map(byte).collect()
+        (0..self.rows.len()).map(|row| self.expected_of(row, input)).collect()
     }
 }
 
@@ -132,6 +133,14 @@ fn convolution() -> impl Strategy<Value = (Owned, usize, usize, usize, i8, Vec<i
             (owned(rows, order), Just(stride), Just(side), Just(channels), byte(), input)
         },
     )
+}
+
+/// A convolution of each channel alone: map, stride, side, border and input.
+fn depthwise_convolution() -> impl Strategy<Value = (Owned, usize, usize, i8, Vec<i8>)> {
+    (1usize..20, 1usize..=2, 1usize..9).prop_flat_map(|(channels, stride, side)| {
+        let input = prop::collection::vec(byte(), side * side * channels);
+        (owned(channels, Order::Plain { columns: 9 }), Just(stride), Just(side), byte(), input)
+    })
 }
 
 proptest! {
@@ -200,6 +209,27 @@ proptest! {
                 }
             }
             prop_assert_eq!(got, map.expected(&window));
+        }
+    }
+
+    #[test]
+    fn a_convolution_of_each_channel_alone_is_its_definition(
+        (map, stride, side, border, input) in depthwise_convolution(),
+    ) {
+        let (channels, out) = (map.rows.len(), side.div_ceil(stride));
+        let mut output = vec![99; out * out * channels];
+        let grid = Grid { values: &input, side, channels, border };
+        depthwise(&map.linear(), stride, &grid, &mut Rows::new(), &mut output);
+        for (index, got) in output.chunks(channels).enumerate() {
+            let (y, x) = (index / out * stride, index % out * stride);
+            for (channel, &got) in got.iter().enumerate() {
+                let at = |place: usize| {
+                    let (y, x) = ((y + place / 3).checked_sub(1)?, (x + place % 3).checked_sub(1)?);
+                    (y < side && x < side).then(|| input[(y * side + x) * channels + channel])
+                };
+                let window: Vec<i8> = (0..9).map(|place| at(place).unwrap_or(border)).collect();
+                prop_assert_eq!(got, map.expected_of(channel, &window));
+            }
         }
     }
 
@@ -284,6 +314,8 @@ fn odd_lengths_give_nothing_and_no_panic() {
     convolve(&Linear::default(), 1, &grid, rows, &mut output);
     convolve_colours(&Linear::default(), 1, &grid, rows, &mut output);
     pointwise(&Linear::default(), 0, &[], rows, &mut output);
+    depthwise(&Linear::default(), 1, &grid, rows, &mut output);
+    depthwise(&Linear::default(), 0, &Grid::default(), rows, &mut output);
     fully_connected(&Linear::default(), &[], &mut output);
     let bias = [[0; 4]];
     let wide = Linear { columns: 72 * 9, bias: &bias, ..Linear::default() };

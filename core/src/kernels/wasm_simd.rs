@@ -11,9 +11,10 @@
 
 use core::arch::wasm32::*;
 
+use super::depthwise::{self, Alone, Eight};
 use super::vectors::{self, Vectors};
 use super::windows::{self, Lines, Shape};
-use super::{EDGE, Grid, Linear, Rows, Tile, scalar};
+use super::{EDGE, GROUP, Grid, Linear, Rows, Tile, scalar};
 
 pub use scalar::{add_residual, fully_connected_wide, requantize_all};
 
@@ -67,6 +68,19 @@ pub fn convolve_colours(
 ) {
     if !windows::convolve_colours::<Simd>(map, stride, input, rows, output) {
         scalar::convolve_colours(map, stride, input, rows, output);
+    }
+}
+
+/// A convolution with a window of 3 x 3 pixels of every channel by itself. As [`scalar::depthwise`].
+pub fn depthwise(
+    map: &Linear<'_>,
+    stride: usize,
+    input: &Grid<'_>,
+    rows: &mut Rows,
+    output: &mut [i8],
+) {
+    if !depthwise::depthwise::<Simd>(map, stride, input, rows, output) {
+        scalar::depthwise(map, stride, input, rows, output);
     }
 }
 
@@ -159,6 +173,44 @@ impl Vectors for Simd {
             i32x4_extract_lane::<1>(first),
             i32x4_extract_lane::<1>(second),
         ]
+    }
+}
+
+impl Alone for Simd {
+    unsafe fn outputs(eight: &Eight, window: *const i16) -> [i8; GROUP] {
+        // SAFETY: 32 bytes of each list and of each pair's weights; the numbers are the caller's
+        // promise.
+        unsafe {
+            let list = |list: &[i32; GROUP]| {
+                let list = list.as_ptr().cast::<v128>();
+                (v128_load(list), v128_load(list.add(1)))
+            };
+            let (mut low, mut high) = list(&eight.bias);
+            for (pair, weights) in eight.weights.iter().enumerate() {
+                let at = window.add(2 * GROUP * pair);
+                let one = v128_load(at.cast());
+                let is_last = pair + 1 == eight.weights.len();
+                let other = if is_last { one } else { v128_load(at.add(GROUP).cast()) };
+                let weights = weights.as_ptr().cast::<v128>();
+                let turns = i16x8_shuffle::<0, 8, 1, 9, 2, 10, 3, 11>(one, other);
+                low = i32x4_add(low, i32x4_dot_i16x8(turns, v128_load(weights)));
+                let turns = i16x8_shuffle::<4, 12, 5, 13, 6, 14, 7, 15>(one, other);
+                high = i32x4_add(high, i32x4_dot_i16x8(turns, v128_load(weights.add(1))));
+            }
+            let constant = i64x2_splat((i64::from(eight.zero) << 32) + (1 << 31));
+            let finish = |sums, multipliers| {
+                let first = i64x2_add(i64x2_extmul_low_i32x4(sums, multipliers), constant);
+                let second = i64x2_add(i64x2_extmul_high_i32x4(sums, multipliers), constant);
+                // The upper halves of 64 bits are the results.
+                i32x4_shuffle::<1, 3, 5, 7>(first, second)
+            };
+            let (first, second) = list(&eight.multipliers);
+            let lanes = i16x8_narrow_i32x4(finish(low, first), finish(high, second));
+            let lanes = i16x8_max(lanes, i16x8_splat(eight.low.into()));
+            let channels = i16x8_shuffle::<0, 2, 1, 3, 4, 6, 5, 7>(lanes, lanes);
+            let bytes = i64x2_extract_lane::<0>(i8x16_narrow_i16x8(channels, channels));
+            bytes.to_le_bytes().map(|byte| byte as i8)
+        }
     }
 }
 

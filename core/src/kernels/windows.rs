@@ -144,16 +144,9 @@ pub(super) fn convolve<L: Lines>(
             let buffers = rows.0.chunks_exact_mut(group.max(1)).take(groups);
             for (first, buffer) in (0..).step_by(GROUP).zip(buffers) {
                 let to = buffer.get_mut(GROUP * (3 + row)..).unwrap_or_default();
-                match from.and_then(|from| from.get(first..)) {
-                    Some(from) if first + GROUP <= channels => {
-                        let (from, to) = (from.as_ptr(), to.as_mut_ptr());
-                        // SAFETY: the row has `side` pixels of `channels` bytes, eight of each in this
-                        // group; the buffer has room for `side` pixels after the one beyond the border.
-                        unsafe { L::widen(from, to, 3 * GROUP, side, channels) };
-                    }
-                    Some(from) => widen_part(from, channels, channels - first, side, to),
-                    None => fill_row(to, side, border),
-                }
+                // SAFETY: the row has `side` pixels of `channels` bytes; the buffer has room for `side`
+                // pixels after the one beyond the border.
+                unsafe { widen_eight::<L>(from, side, first, channels, border, to) };
             }
         }
         // SAFETY: the groups have just been written, with room for the windows of all pixels; the line
@@ -209,6 +202,30 @@ pub(super) fn convolve_colours<L: Lines>(
         unsafe { L::run(map, &shape, rows.0.as_ptr(), line) };
     }
     true
+}
+
+/// Widens eight channels of each of a row's pixels, or what is left of them from `first` on, to places
+/// three times eight numbers apart; the border's value where there is no row.
+///
+/// # Safety
+///
+/// The row must be whole, and `to` have room for all pixels.
+pub(super) unsafe fn widen_eight<L: Lines>(
+    from: Option<&[i8]>,
+    pixels: usize,
+    first: usize,
+    channels: usize,
+    border: i8,
+    to: &mut [i16],
+) {
+    match from.and_then(|from| from.get(first..)) {
+        Some(from) if first + GROUP <= channels => {
+            // SAFETY: the caller's promise.
+            unsafe { L::widen(from.as_ptr(), to.as_mut_ptr(), 3 * GROUP, pixels, channels) };
+        }
+        Some(from) => widen_part(from, channels, channels - first, pixels, to),
+        None => fill_row(to, pixels, border),
+    }
 }
 
 /// As [`Lines::widen`] for the last channels of a map, of which there are `count`, fewer than eight.

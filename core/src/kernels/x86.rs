@@ -10,6 +10,7 @@
 
 use core::sync::atomic::{AtomicU8, Ordering};
 
+use super::depthwise::{self, Alone, Eight};
 use super::vectors::{self, Vectors};
 use super::windows::{self, Lines, Shape};
 use super::{Addition, EDGE, GROUP, Grid, Linear, Rows, Tile, scalar};
@@ -151,6 +152,21 @@ macro_rules! kernels {
             };
             if !is_done {
                 scalar::convolve_colours(map, stride, input, rows, output);
+            }
+        }
+
+        /// A convolution with a window of 3 x 3 pixels of every channel by itself. As
+        /// [`scalar::depthwise`].
+        pub fn depthwise(
+            map: &Linear<'_>,
+            stride: usize,
+            input: &Grid<'_>,
+            rows: &mut Rows,
+            output: &mut [i8],
+        ) {
+            // No network has one yet: what all processors have will do.
+            if !depthwise::depthwise::<Sse2>(map, stride, input, rows, output) {
+                scalar::depthwise(map, stride, input, rows, output);
             }
         }
 

@@ -43,6 +43,14 @@ pub trait Kernels {
         output: &mut [i8],
     );
     /// See there.
+    fn depthwise(
+        map: &Linear<'_>,
+        stride: usize,
+        input: &Grid<'_>,
+        rows: &mut Rows,
+        output: &mut [i8],
+    );
+    /// See there.
     fn add_residual(add: &Addition, values: &mut [i8], others: &[i8]);
 }
 
@@ -102,6 +110,16 @@ macro_rules! kernels {
             ) {
                 use $module as module;
                 module::convolve_colours(map, stride, input, rows, output)
+            }
+            fn depthwise(
+                map: &Linear<'_>,
+                stride: usize,
+                input: &Grid<'_>,
+                rows: &mut Rows,
+                output: &mut [i8],
+            ) {
+                use $module as module;
+                module::depthwise(map, stride, input, rows, output)
             }
             fn add_residual(add: &Addition, values: &mut [i8], others: &[i8]) {
                 use $module as module;

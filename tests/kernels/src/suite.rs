@@ -101,7 +101,15 @@ struct Case {
     stride: usize,
     offset: usize,
     extreme: Extreme,
-    colours: bool,
+    windows: Windows,
+}
+
+/// What a window of 3 x 3 is over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Windows {
+    All,
+    Colours,
+    Alone,
 }
 
 impl Suite<'_> {
@@ -266,14 +274,27 @@ impl Suite<'_> {
             stride: 1,
             offset: 0,
             extreme: Extreme::None,
-            colours: false,
+            windows: Windows::All,
         };
+        let alone = Case { windows: Windows::Alone, ..plain };
         for stride in [1, 2] {
             for side in 0..15 {
                 self.convolve::<K>(Case { side, stride, ..plain })?;
                 self.convolve::<K>(Case { side, stride, offset: side % 4, ..plain })?;
                 self.colours::<K>(side, stride, side % 4, Extreme::None)?;
                 self.colours::<K>(side, stride, 0, Extreme::Sums)?;
+                let offset = (side + stride) % 4;
+                self.convolve::<K>(Case { side, stride, offset, channels: 12, ..alone })?;
+            }
+            for channels in (0..=WIDEST).chain([127, 128]) {
+                let offset = channels % 5 % 4;
+                self.convolve::<K>(Case { channels, side: 5, stride, offset, ..alone })?;
+                let extreme = Extreme::Sums;
+                self.convolve::<K>(Case { channels, side: 4, stride, extreme, ..alone })?;
+            }
+            // Sides that are too long for some kernels' memory, and one of a network.
+            for (side, channels) in [(76, 2), (77, 2), (79, 2), (120, 1), (32, 16)] {
+                self.convolve::<K>(Case { side, channels, stride, ..alone })?;
             }
             for channels in (1..=20).chain([24, 32, 48, 60, 64, 65]) {
                 for extreme in extremes {
@@ -289,7 +310,8 @@ impl Suite<'_> {
             self.colours::<K>(64, stride, 0, Extreme::None)?;
         }
         // A stride that no network has.
-        self.convolve::<K>(Case { stride: 3, ..plain })
+        self.convolve::<K>(Case { stride: 3, ..plain })?;
+        self.convolve::<K>(Case { stride: 3, ..alone })
     }
 
     fn colours<K: Kernels>(
@@ -300,14 +322,19 @@ impl Suite<'_> {
         extreme: Extreme,
     ) -> Result<(), Difference> {
         let rows = if side > 32 { 4 } else { 8 };
-        self.convolve::<K>(Case { channels: 3, rows, side, stride, offset, extreme, colours: true })
+        let windows = Windows::Colours;
+        self.convolve::<K>(Case { channels: 3, rows, side, stride, offset, extreme, windows })
     }
 
     fn convolve<K: Kernels>(&mut self, case: Case) -> Result<(), Difference> {
-        let Case { channels, rows, side, stride, offset, extreme, colours } = case;
+        let Case { channels, side, stride, offset, extreme, windows, .. } = case;
+        let (order, rows) = match windows {
+            Windows::All => (Order::Window { channels }, case.rows),
+            Windows::Colours => (Order::Colours, case.rows),
+            Windows::Alone => (Order::Plain { columns: 9 }, channels),
+        };
         let Room { layer, input, output, expected, rows: memory } = &mut *self.room;
         let mut chance = Chance::new(self.seed);
-        let order = if colours { Order::Colours } else { Order::Window { channels } };
         layer.draw(rows, order, extreme, offset, &mut chance);
         let values = &mut input[offset..][..side * side * channels];
         draw(values, extreme, &mut chance);
@@ -318,15 +345,25 @@ impl Suite<'_> {
         let out = side.div_ceil(stride);
         let part = MARGIN + offset..MARGIN + offset + out * out * rows;
         let (got, wanted) = (&mut output[part.clone()], &mut expected[part]);
-        if colours {
-            K::convolve_colours(&layer.linear(), stride, &grid, memory, got);
-            scalar::convolve_colours(&layer.linear(), stride, &grid, memory, wanted);
-        } else {
-            K::convolve(&layer.linear(), stride, &grid, memory, got);
-            scalar::convolve(&layer.linear(), stride, &grid, memory, wanted);
-        }
+        let map = layer.linear();
+        let name = match windows {
+            Windows::All => {
+                K::convolve(&map, stride, &grid, memory, got);
+                scalar::convolve(&map, stride, &grid, memory, wanted);
+                "convolve"
+            }
+            Windows::Colours => {
+                K::convolve_colours(&map, stride, &grid, memory, got);
+                scalar::convolve_colours(&map, stride, &grid, memory, wanted);
+                "convolve_colours"
+            }
+            Windows::Alone => {
+                K::depthwise(&map, stride, &grid, memory, got);
+                scalar::depthwise(&map, stride, &grid, memory, wanted);
+                "depthwise"
+            }
+        };
         let place = difference(output, expected);
-        let name = if colours { "convolve_colours" } else { "convolve" };
         self.check::<K>(name, [channels, rows, side, stride, offset, extreme as usize], place)
     }
 
@@ -344,10 +381,13 @@ impl Suite<'_> {
             stride: 1 + below(2),
             offset: if below(2) == 0 { 0 } else { below(4) },
             extreme,
-            colours: false,
+            windows: Windows::All,
         };
         self.convolve::<K>(case)?;
-        self.convolve::<K>(Case { channels: 3, side: below(20), colours: true, ..case })
+        let [channels, side] = [1 + below(64), below(16)];
+        self.convolve::<K>(Case { channels, side, windows: Windows::Alone, ..case })?;
+        let windows = Windows::Colours;
+        self.convolve::<K>(Case { channels: 3, side: below(20), windows, ..case })
     }
 
     fn check<K: Kernels>(

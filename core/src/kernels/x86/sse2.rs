@@ -2,7 +2,7 @@
 
 use core::arch::x86_64::*;
 
-use super::{EDGE, GROUP, Linear, Lines, Shape, Tile, Vectors};
+use super::{Alone, EDGE, Eight, GROUP, Linear, Lines, Shape, Tile, Vectors};
 
 /// SSE2.
 pub(super) enum Sse2 {}
@@ -35,6 +35,14 @@ impl Vectors for Sse2 {
     unsafe fn sums(tiles: &[Tile], input: *const i16) -> [i32; EDGE] {
         // SAFETY: the caller's promise.
         unsafe { sums(tiles, input) }
+    }
+}
+
+impl Alone for Sse2 {
+    #[inline]
+    unsafe fn outputs(eight: &Eight, window: *const i16) -> [i8; GROUP] {
+        // SAFETY: the caller's promise.
+        unsafe { outputs(eight, window) }
     }
 }
 
@@ -220,5 +228,49 @@ unsafe fn add_tiles<const PIXELS: usize>(
             }
             window = window.add(GROUP / 2);
         }
+    }
+}
+
+/// As [`Alone::outputs`].
+///
+/// # Safety
+///
+/// As there.
+#[inline]
+#[target_feature(enable = "sse2")]
+unsafe fn outputs(eight: &Eight, window: *const i16) -> [i8; GROUP] {
+    // SAFETY: 32 bytes of each list and of each pair's weights; the numbers are the caller's promise.
+    unsafe {
+        let list = |list: &[i32; GROUP]| {
+            let list = list.as_ptr().cast::<__m128i>();
+            (_mm_loadu_si128(list), _mm_loadu_si128(list.add(1)))
+        };
+        let (mut low, mut high) = list(&eight.bias);
+        for (pair, weights) in eight.weights.iter().enumerate() {
+            let at = window.add(2 * GROUP * pair);
+            let one = _mm_loadu_si128(at.cast());
+            let is_last = pair + 1 == eight.weights.len();
+            let other = if is_last { one } else { _mm_loadu_si128(at.add(GROUP).cast()) };
+            let weights = weights.as_ptr().cast::<__m128i>();
+            let turns = _mm_unpacklo_epi16(one, other);
+            low = _mm_add_epi32(low, _mm_madd_epi16(turns, _mm_loadu_si128(weights)));
+            let turns = _mm_unpackhi_epi16(one, other);
+            high = _mm_add_epi32(high, _mm_madd_epi16(turns, _mm_loadu_si128(weights.add(1))));
+        }
+        let constant = _mm_set1_epi64x((i64::from(eight.zero) << 32) + (1 << 31));
+        let finish = |sums: __m128i, multipliers: __m128i| {
+            let even = _mm_add_epi64(multiply(sums, multipliers), constant);
+            let (sums, multipliers) = (_mm_srli_epi64(sums, 32), _mm_srli_epi64(multipliers, 32));
+            let odd = _mm_add_epi64(multiply(sums, multipliers), constant);
+            // The upper halves of 64 bits are the results.
+            let odd = _mm_and_si128(odd, _mm_set1_epi64x(!0 << 32));
+            _mm_or_si128(_mm_srli_epi64(even, 32), odd)
+        };
+        let (first, second) = list(&eight.multipliers);
+        let lanes = _mm_packs_epi32(finish(low, first), finish(high, second));
+        let lanes = _mm_max_epi16(lanes, _mm_set1_epi16(eight.low.into()));
+        let channels = _mm_shufflehi_epi16(_mm_shufflelo_epi16(lanes, 0xd8), 0xd8);
+        let bytes = _mm_cvtsi128_si64(_mm_packs_epi16(channels, channels));
+        bytes.to_le_bytes().map(|byte| byte as i8)
     }
 }
