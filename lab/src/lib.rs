@@ -1,5 +1,6 @@
 //! Host tools of Vantage: meshes, rendering, exact scores, plans and exports.
 
+pub mod blind;
 pub mod commands;
 pub mod dataset;
 pub mod exact;

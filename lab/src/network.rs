@@ -9,7 +9,7 @@ use anyhow::{Context, Result};
 use image::{RgbImage, RgbaImage};
 use rayon::prelude::*;
 use vantage_core::objectives::{FaceAccount, Ledger};
-use vantage_core::planner::{Plan, Scorer, Session};
+use vantage_core::planner::{NextView, Plan, Scorer, Session};
 use vantage_core::soarnet::{
     Form, Image, Lists, ListsMut, Memory, Model, OUTLOOK, Photo, Pixels, SIDE, SKETCH, Scratch,
     SoarNet, features,
@@ -99,19 +99,32 @@ impl Network {
         let sightings = labelled.sightings();
         let mut accounts = vec![FaceAccount::default(); labelled.faces().len()];
         let mut ledger = Ledger::try_new(labelled.surface()?, labelled.reading, &mut accounts)?;
-        let scorer = self.scorer(&labelled.poses, plan.budget())?;
-        let start = Instant::now();
-        let candidates = labelled.poses.iter().copied();
-        let mut session = Session::try_new(Heap::default(), candidates, scorer, plan)?;
         let mut steps = Vec::with_capacity(plan.budget());
-        while let Some(next) = session.next_view() {
-            session.observe(next.index, next.pose, &shot(&photo(next.index))?)?;
+        self.choose(&labelled.poses, photo, plan, |next, seconds| {
             ledger.add(next.pose.position(), &sightings[next.index]);
-            let seconds = start.elapsed().as_secs_f64();
             steps.push(Step { next, scores: ledger.scores(), seconds });
             done();
-        }
+        })?;
         Ok(steps)
+    }
+
+    /// The same without a mesh, and without scores. `taken` is called after each
+    /// view with the seconds from the start of planning until then.
+    pub fn choose(
+        &self,
+        poses: &[Pose],
+        photo: impl Fn(usize) -> RgbImage,
+        plan: Plan,
+        mut taken: impl FnMut(NextView, f64),
+    ) -> Result<()> {
+        let scorer = self.scorer(poses, plan.budget())?;
+        let start = Instant::now();
+        let mut session = Session::try_new(Heap::default(), poses.iter().copied(), scorer, plan)?;
+        while let Some(next) = session.next_view() {
+            session.observe(next.index, next.pose, &shot(&photo(next.index))?)?;
+            taken(next, start.elapsed().as_secs_f64());
+        }
+        Ok(())
     }
 
     /// The predicted gains of every candidate along a path of views: shapes as of

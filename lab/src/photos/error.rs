@@ -44,6 +44,16 @@ pub enum PhotosError {
     NoUp,
     /// The centre of the object lies outside every photo.
     NotFramed,
+    /// One of NeRF's synthetic scenes lacks a list of photos: the folder and the file.
+    NoSplit(PathBuf, &'static str),
+    /// Something is wrong with a list of photos of that name.
+    Split(&'static str, Box<PhotosError>),
+    /// A photo that is needed cannot be used: its name and why not.
+    Photo(String, String),
+    /// Photos that are compared must have one camera.
+    ManyCameras,
+    /// No photo has a pixel of the object.
+    Nothing,
     /// A length or a point given on the command line is of no use: which option.
     BadOption(&'static str),
 }
@@ -117,6 +127,23 @@ impl fmt::Display for PhotosError {
                 "the point that the cameras look at lies outside every photo: give the object's \
                  place as --centre X,Y,Z and --radius R in the coordinates of transforms.json",
             ),
+            Self::NoSplit(folder, file) => write!(
+                f,
+                "{} holds no {file}: scenes like NeRF's synthetic ones have transforms_train.json and \
+                 transforms_test.json",
+                folder.display()
+            ),
+            // The others name the file that captures have.
+            Self::Split(file, why) => {
+                f.write_str(&why.to_string().replace("transforms.json", file))
+            }
+            Self::Photo(file, why) => write!(f, "the photo {file} cannot be used: {why}"),
+            Self::ManyCameras => f.write_str(
+                "the photos are of more than one camera: give all one size and one camera_angle_x",
+            ),
+            Self::Nothing => {
+                f.write_str("the photos to train on show nothing: all their pixels are transparent")
+            }
             Self::BadOption(option) => write!(f, "{option} must be finite and not zero"),
         }
     }

@@ -31,6 +31,12 @@ impl Taken {
         self.falls(self.rotation.inverse() * direction)
     }
 
+    /// The direction of a pixel's ray, unit length.
+    pub fn ray(&self, [x, y]: [f64; 2]) -> DVec3 {
+        let Lens { focal: [fx, fy], centre: [cx, cy], .. } = self.lens;
+        (self.rotation * DVec3::new((x - cx) / fx, -(y - cy) / fy, -1.0)).normalize()
+    }
+
     fn falls(&self, DVec3 { x, y, z }: DVec3) -> Option<[f64; 2]> {
         let Lens { focal: [fx, fy], centre: [cx, cy], .. } = self.lens;
         (z < 0.0).then(|| [cx - fx * x / z, cy + fy * y / z])
@@ -128,6 +134,13 @@ impl Layout {
     /// A camera of the plan in that direction, looking at the object.
     pub fn looking_from(&self, direction: Vec3) -> Result<Pose, PoseError> {
         Pose::looking_at(direction * DISTANCE, Vec3::ZERO)
+    }
+
+    /// A camera that took a photo, as it stands in the plan's coordinates.
+    pub(super) fn pose(&self, camera: &Taken) -> Result<Pose, PoseError> {
+        let position = self.plan_from_file * (camera.position - self.centre) / self.radius;
+        let rotation = (self.plan_from_file * camera.rotation).normalize();
+        Pose::try_new(position.as_vec3(), rotation.as_quat())
     }
 
     /// A camera of the plan, in the file's coordinates at the middle distance: centre and axes

@@ -41,6 +41,7 @@ use vantage_core::{Pose, Vec3};
 
 mod error;
 mod layout;
+mod scene;
 #[cfg(test)]
 mod tests;
 mod transforms;
@@ -49,6 +50,7 @@ pub mod words;
 
 pub use error::{FrameError, PhotosError};
 pub use layout::{Known, Layout};
+pub use scene::{Looked, Scene, View};
 
 use layout::Taken;
 use transforms::{Frame, Transforms, places};

@@ -59,6 +59,11 @@ pub(super) fn read(folder: &Path) -> Result<Transforms, PhotosError> {
     if !path.is_file() {
         return Err(PhotosError::NoTransforms(folder.to_owned()));
     }
+    read_file(path)
+}
+
+/// Reads a file of that kind, whatever its name.
+pub(super) fn read_file(path: PathBuf) -> Result<Transforms, PhotosError> {
     let text = fs::read_to_string(&path)
         .map_err(|error| PhotosError::Unreadable(path.clone(), error.to_string()))?;
     let value: Value = serde_json::from_str(&text)
