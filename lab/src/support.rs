@@ -147,10 +147,13 @@ impl Look<'_> {
 
     /// Whether nothing hides a point of the surface.
     fn sees(&self, point: Vec3) -> bool {
-        self.pixel_of(point).is_some_and(|(pixel, face)| {
-            let own = point.distance(self.pose.position());
-            face != NO_FACE && !(self.distance(pixel, face) < own - DEPTH)
-        })
+        let Some((pixel, face)) = self.pixel_of(point) else { return false };
+        if face == NO_FACE {
+            return false;
+        }
+        let distance = self.distance(pixel, face);
+        // What is looked at edge on hides nothing.
+        !distance.is_finite() || distance >= point.distance(self.pose.position()) - DEPTH
     }
 
     /// Whether a point lies beside the outline, in the picture.
