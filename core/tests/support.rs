@@ -101,7 +101,7 @@ proptest! {
         let glimpses = ball.glimpses();
         let (mut sums, mut empty) = (vec![7.0; targets], vec![7; VOXELS.div_ceil(32)]);
         let mut ledger = SupportLedger::try_new(&ball.targets, VOXELS, &mut sums, &mut empty).unwrap();
-        let mut last = vec![f32::INFINITY; CANDIDATES];
+        let mut last = [f32::INFINITY; CANDIDATES];
         for step in 0..6 {
             let views = &order[..step];
             prop_assert!((f64::from(ledger.value()) - ball.value(views)).abs() < 1e-4);
