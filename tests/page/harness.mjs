@@ -61,7 +61,7 @@ export async function browse(options = {}, flags = []) {
     acceptDownloads: true,
     ...options,
   });
-  context.setDefaultTimeout(45_000); // a machine under load renders slowly
+  context.setDefaultTimeout(300_000); // WebGL without a GPU takes minutes for a capture on a machine under load
   const problems = [];
   context.on("console", (message) => {
     // Chromium counts its own software renderer's stalls as warnings; only errors are ours.

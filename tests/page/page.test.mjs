@@ -44,7 +44,7 @@ describe("a simulated capture", () => {
     const { page } = browser;
     await page.getByRole("button", { name: "Take all" }).focus();
     await page.keyboard.press("Enter");
-    await page.getByRole("heading", { name: "Done" }).waitFor({ timeout: 60_000 });
+    await page.getByRole("heading", { name: "Done" }).waitFor();
     await idle(page);
     const curve = await page.locator(".chart svg").first().getAttribute("aria-label");
     const [, covered] = /Vantage (\d+) %/.exec(curve) ?? [];
