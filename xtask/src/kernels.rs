@@ -104,6 +104,10 @@ pub fn bench(workspace: &Workspace, arguments: &[String]) -> Result<()> {
     for missed in missed(&counts) {
         println!("missed: {missed}");
     }
+    println!(
+        "\nencoders that were compared, layer by layer: lab/ENCODERS.md\n\n{}",
+        encoders(&counts)
+    );
     println!("\nencode one 64 x 64 photo, one thread, fastest of the rounds, this machine\n");
     for (name, milliseconds) in &times {
         println!("{name:42} {milliseconds:8.3} ms");
@@ -161,6 +165,16 @@ fn table(counts: &BTreeMap<String, Count>) -> String {
         }
     }
     lines.join("\n")
+}
+
+/// The encoders of `lab/ENCODERS.md`.
+fn encoders(counts: &BTreeMap<String, Count>) -> String {
+    let encoders = counts.iter().filter(|(name, _)| name.starts_with("encoder "));
+    let lines = encoders.map(|(name, count)| {
+        let Count { products, instructions, .. } = count;
+        format!("{name:30} {products:>10} {instructions:>13} {:>6.2}", count.each())
+    });
+    lines.collect::<Vec<_>>().join("\n")
 }
 
 /// The layers above their bars.

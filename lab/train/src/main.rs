@@ -12,6 +12,7 @@ use vantage_lab::dataset::{Dataset, Split};
 use vantage_train::card::{self, Card, Figures};
 use vantage_train::fit::{self, Recipe, Run};
 use vantage_train::measure::measure;
+use vantage_train::net::Build;
 use vantage_train::reference::Reference;
 use vantage_train::{onnx, plot, quantize, samples};
 
@@ -138,6 +139,11 @@ fn main() -> ExitCode {
 fn export(args: &ExportArgs) -> Result<()> {
     let run = Run::existing(&args.run)?;
     let recipe = run.course()?.recipe;
+    ensure!(
+        recipe.shape.build == Build::Plain,
+        "{} holds a run of an encoder that is for comparison and is not exported",
+        args.run.display()
+    );
     ensure!(
         recipe.shape.relative && recipe.shape.maximum,
         "{} holds a run of the literal preset, which is for comparison and is not exported",

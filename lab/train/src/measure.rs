@@ -1,14 +1,15 @@
 //! How well a network ranks views, on objects it was not trained on.
 
-use burn::tensor::Device;
+use burn::tensor::{Device, Tensor, TensorData};
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
 
+use vantage_core::soarnet::{OUTLOOK, SKETCH};
 use vantage_lab::statistics::spearman;
 
-use crate::net::{Network, OBJECTIVES};
-use crate::samples::{Ask, Batch, Object};
+use crate::net::{Network, OBJECTIVES, Question};
+use crate::samples::{Ask, Batch, Object, sketch_of};
 
 /// Fewest and most views of the states that are measured: after the first look, up to one before
 /// the budget of 12.
@@ -30,8 +31,42 @@ impl Measured {
     }
 }
 
-/// Measures a network over all walks' first `walks`, its photos unchanged.
+/// Measures a network over all walks' first `walks`, its photos unchanged, given true outlines.
 pub fn measure(net: &Network, objects: &[Object], walks: usize, device: &Device) -> Measured {
+    measure_with(net, objects, walks, device, |_, _, _| {})
+}
+
+/// The same with the outlines that the network itself draws, as in a capture.
+pub fn measure_drawn(net: &Network, objects: &[Object], walks: usize, device: &Device) -> Measured {
+    measure_with(net, objects, walks, device, |objects, walk, question| {
+        let Some(encoder) = &net.encoder else { return };
+        let (_, cells) = encoder.forward(question.photos.clone());
+        let cells: Vec<f32> = cells.into_data().try_to_vec().expect("sketches are f32");
+        let sketches: Vec<_> = cells.chunks_exact(SKETCH).map(sketch_of).collect();
+        let [number, taken, _] = question.views.dims();
+        let [_, others, _] = question.candidates.dims();
+        let counts = question.counts.iter();
+        let of_count = counts.map(|&count| {
+            let captures = objects.iter().zip(sketches.chunks_exact(taken));
+            let outlooks = captures.flat_map(|(object, sketches)| {
+                let views: Vec<usize> = object.walk(walk).take(count).collect();
+                object.outlooks(&views, sketches)
+            });
+            let values = TensorData::new(outlooks.collect(), [number, others, OUTLOOK]);
+            Tensor::from_data(values, device)
+        });
+        question.outlooks = of_count.collect();
+    })
+}
+
+/// The same with questions that are changed before they are asked.
+fn measure_with(
+    net: &Network,
+    objects: &[Object],
+    walks: usize,
+    device: &Device,
+    change: impl Fn(&[&Object], usize, &mut Question),
+) -> Measured {
     let mut chance = Pcg64::seed_from_u64(0);
     let steps = objects.iter().map(Object::steps).min().unwrap_or(0);
     let end = COUNTS.end.min(steps + 1);
@@ -47,7 +82,9 @@ pub fn measure(net: &Network, objects: &[Object], walks: usize, device: &Device)
         for group in objects.chunks(4) {
             let group: Vec<&Object> = group.iter().collect();
             let batch = Batch::draw(&group, Some(walk), &ask, &mut chance);
-            let answer = net.forward(batch.question(device));
+            let mut question = batch.question(device);
+            change(&group, walk, &mut question);
+            let answer = net.forward(question);
             let ranks: Vec<f32> = answer.ranks.into_data().try_to_vec().expect("ranks are f32");
             add(&batch, &ranks, &mut sums);
         }

@@ -23,7 +23,7 @@ use burn::tensor::activation::relu;
 use burn::tensor::{Device, Tensor};
 use serde::{Deserialize, Serialize};
 use vantage_core::soarnet::features::{COUNT, DIRECTION, RELATION};
-use vantage_core::soarnet::{CELL, DETAIL, OUTLOOK, SKETCH};
+use vantage_core::soarnet::{CELL, OUTLOOK, SKETCH};
 
 /// Side of a photo in pixels.
 pub const SIDE: usize = 64;
@@ -34,9 +34,26 @@ pub const STATE: usize = 12;
 /// C, Q, D, T.
 pub const OBJECTIVES: usize = 4;
 
+/// How an encoder is built. Only the first is exported; the others are there to be compared with it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Build {
+    /// As `core` runs it.
+    #[default]
+    Plain,
+    /// After the stem every window of 3 x 3 is over a channel by itself, and one pixel's channels are
+    /// mixed after it.
+    Separable,
+    /// Of photos with half as many pixels on each side; the second stage leaves the map as large as it
+    /// is.
+    Halved,
+}
+
 /// The shape of a network.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Shape {
+    /// How the encoder is built.
+    #[serde(default)]
+    pub build: Build,
     /// Channels after the stem and after each of the three stages.
     pub channels: [usize; 4],
     /// Width of an embedding; 0 for a network that sees no photos.
@@ -58,6 +75,7 @@ pub struct Shape {
 impl Default for Shape {
     fn default() -> Self {
         Self {
+            build: Build::Plain,
             channels: [16, 16, 32, 48],
             embedding: 96,
             token: 96,
@@ -86,10 +104,19 @@ pub struct Normalised {
 }
 
 impl Normalised {
-    fn new(from: usize, to: usize, stride: usize, device: &Device) -> Self {
-        let conv = Conv2dConfig::new([from, to], [3, 3])
+    /// A window of `edge` x `edge`, over channels in so many groups.
+    fn new(
+        [from, to]: [usize; 2],
+        edge: usize,
+        stride: usize,
+        groups: usize,
+        device: &Device,
+    ) -> Self {
+        let around = edge / 2;
+        let conv = Conv2dConfig::new([from, to], [edge, edge])
             .with_stride([stride, stride])
-            .with_padding(PaddingConfig2d::Explicit(1, 1, 1, 1))
+            .with_padding(PaddingConfig2d::Explicit(around, around, around, around))
+            .with_groups(groups)
             .with_bias(false)
             .with_initializer(Initializer::KaimingNormal {
                 gain: 2f64.sqrt(),
@@ -117,11 +144,44 @@ impl Normalised {
     }
 }
 
+/// A window of 3 x 3 over all channels, in one convolution or in two.
+#[derive(Module, Debug)]
+pub struct Windows {
+    /// Over each channel by itself, where the encoder is separable.
+    alone: Option<Normalised>,
+    /// Over all channels, then of one pixel.
+    pub full: Normalised,
+}
+
+impl Windows {
+    fn new(build: Build, [from, to]: [usize; 2], stride: usize, device: &Device) -> Self {
+        let new = |channels, edge, stride, groups| {
+            Normalised::new(channels, edge, stride, groups, device)
+        };
+        match build {
+            Build::Separable => Self {
+                alone: Some(new([from, from], 3, stride, from)),
+                full: new([from, to], 1, 1, 1),
+            },
+            Build::Plain | Build::Halved => {
+                Self { alone: None, full: new([from, to], 3, stride, 1) }
+            }
+        }
+    }
+
+    fn forward(&self, x: Tensor<4>) -> Tensor<4> {
+        match &self.alone {
+            Some(alone) => self.full.forward(relu(alone.forward(x))),
+            None => self.full.forward(x),
+        }
+    }
+}
+
 /// Two convolutions around which the input is passed.
 #[derive(Module, Debug)]
 pub struct Residual {
-    pub first: Normalised,
-    pub second: Normalised,
+    pub first: Windows,
+    pub second: Windows,
 }
 
 impl Residual {
@@ -135,7 +195,7 @@ impl Residual {
 #[derive(Module, Debug)]
 pub struct Encoder {
     pub stem: Normalised,
-    pub down: Vec<Normalised>,
+    pub down: Vec<Windows>,
     pub residual: Vec<Residual>,
     pub embed: Linear,
     /// Tells a sketch's cells from the second stage's map.
@@ -143,16 +203,24 @@ pub struct Encoder {
     /// Tells the sketch from the embedding; for training only. Without it the embedding, noise at
     /// first, is silenced before it means anything.
     pub recall: Linear,
+    halved: bool,
 }
+
+/// The stage of whose map the sketch is told.
+const SKETCHED: usize = 1;
 
 impl Encoder {
     fn new(shape: &Shape, device: &Device) -> Self {
         let [stem, rest @ ..] = shape.channels;
         let from = [shape.channels[0], shape.channels[1], shape.channels[2]];
-        let layer = |from, to, stride| Normalised::new(from, to, stride, device);
+        let halved = shape.build == Build::Halved;
+        let layer = |from, to, stride| Windows::new(shape.build, [from, to], stride, device);
+        let strides = if halved { [2, 1, 2] } else { [2; 3] };
+        let down = from.iter().zip(rest).zip(strides);
         Self {
-            stem: layer(3, stem, 2),
-            down: from.iter().zip(rest).map(|(&from, to)| layer(from, to, 2)).collect(),
+            halved,
+            stem: Normalised::new([3, stem], 3, 2, 1, device),
+            down: down.map(|((&from, to), stride)| layer(from, to, stride)).collect(),
             residual: rest
                 .iter()
                 .map(|&c| Residual { first: layer(c, c, 1), second: layer(c, c, 1) })
@@ -166,17 +234,29 @@ impl Encoder {
     /// Photos, shape (n, 3, 64, 64), each value (pixel - 128) / 128, to embeddings (n, E) and
     /// sketches (n, 5, 8, 8).
     pub fn forward(&self, photos: Tensor<4>) -> (Tensor<2>, Tensor<4>) {
+        let photos = match self.halved {
+            true => half_as_large(photos),
+            false => photos,
+        };
         let mut x = relu(self.stem.forward(photos));
         let mut sketch = None;
-        for (down, residual) in self.down.iter().zip(&self.residual) {
+        for (stage, (down, residual)) in self.down.iter().zip(&self.residual).enumerate() {
             x = residual.forward(relu(down.forward(x)));
-            if x.dims()[2] == DETAIL {
+            if stage == SKETCHED {
                 sketch = Some(self.sketch.forward(x.clone()));
             }
         }
-        let sketch = sketch.expect("the second stage's map has 8 x 8 pixels");
+        let sketch = sketch.expect("there are three stages");
         (self.embed.forward(x.flatten::<2>(1, 3)), sketch)
     }
+}
+
+/// Photos (n, 3, 64, 64) to (n, 3, 32, 32): the means of four pixels.
+fn half_as_large(photos: Tensor<4>) -> Tensor<4> {
+    const HALF: usize = SIDE / 2;
+    let [number, colours, ..] = photos.dims();
+    let pairs = photos.reshape([number * colours * HALF, 2, HALF, 2]);
+    pairs.mean_dim(1).mean_dim(3).reshape([number, colours, HALF, HALF])
 }
 
 /// The whole network.

@@ -220,11 +220,11 @@ impl Graph {
         let mut last = "stem".to_owned();
         for (stage, (down, residual)) in encoder.down.iter().zip(&encoder.residual).enumerate() {
             let of = |part: &str| format!("stage{}.{part}", stage + 1);
-            self.conv(down, &of("down"), &last, &of("down.sum"));
+            self.conv(&down.full, &of("down"), &last, &of("down.sum"));
             self.relu(&of("down.sum"), &of("down"));
-            self.conv(&residual.first, &of("first"), &of("down"), &of("first.sum"));
+            self.conv(&residual.first.full, &of("first"), &of("down"), &of("first.sum"));
             self.relu(&of("first.sum"), &of("first"));
-            self.conv(&residual.second, &of("second"), &of("first"), &of("second"));
+            self.conv(&residual.second.full, &of("second"), &of("first"), &of("second"));
             self.node("Add", &[&of("down"), &of("second")], &of("sum"), Vec::new());
             last = format!("stage{}", stage + 1);
             self.relu(&of("sum"), &last);

@@ -18,8 +18,7 @@ use vantage_core::Vec3;
 use vantage_core::planner::Scorer;
 use vantage_core::soarnet::features::{COUNT, DIRECTION, RELATION};
 use vantage_core::soarnet::{
-    self, Dimensions, EncoderParts, Form, Image, Layer, Model, OUTLOOK, Photo, Pixels, SoarNet,
-    Stage,
+    self, Dimensions, EncoderParts, Image, Layer, Model, OUTLOOK, Photo, Pixels, SoarNet, Stage,
 };
 use vantage_lab::statistics::spearman;
 
@@ -449,40 +448,14 @@ pub struct Agreement {
     pub steps: usize,
 }
 
-/// The sketches of a capture's photos, as the float reference draws them.
-struct Drawn {
-    sketches: Vec<[i8; soarnet::SKETCH]>,
-}
-
-impl Drawn {
-    fn new(reference: &Reference, state: &State) -> Result<Self> {
-        if reference.shape().embedding == 0 {
-            return Ok(Self { sketches: Vec::new() });
-        }
-        let (views, others) = (state.views.len() / DIRECTION, state.candidates.len() / DIRECTION);
-        let cells = reference.runner(views, others, &["sketch"])?.run(state)?.remove(0);
-        let sketches = cells.chunks_exact(soarnet::SKETCH).map(samples::sketch_of).collect();
-        Ok(Self { sketches })
+/// The sketches of a capture's photos, as the float reference draws them; none without photos.
+fn drawn(reference: &Reference, state: &State) -> Result<Vec<[i8; soarnet::SKETCH]>> {
+    if reference.shape().embedding == 0 {
+        return Ok(Vec::new());
     }
-
-    /// Of an object's candidates after its first `views`, (Z, 8); empty without photos.
-    fn outlooks(&self, object: &Object, views: &[usize]) -> Vec<f32> {
-        if self.sketches.is_empty() {
-            return Vec::new();
-        }
-        let stances = views.iter().map(|&view| object.stance(view));
-        let seen = || stances.clone().zip(self.sketches.iter().map(|sketch| sketch.as_slice()));
-        let mut form = Box::<Form>::default();
-        form.begin();
-        for (stance, sketch) in seen() {
-            form.take_in(stance, sketch);
-        }
-        let candidates: Vec<_> =
-            (0..object.poses().len()).map(|view| object.stance(view).direction).collect();
-        let mut outlooks = vec![[0; OUTLOOK]; candidates.len()];
-        form.outlooks(seen(), &candidates, &mut outlooks);
-        outlooks.as_flattened().iter().map(|&number| samples::outlook(number as i8)).collect()
-    }
+    let (views, others) = (state.views.len() / DIRECTION, state.candidates.len() / DIRECTION);
+    let cells = reference.runner(views, others, &["sketch"])?.run(state)?.remove(0);
+    Ok(cells.chunks_exact(soarnet::SKETCH).map(samples::sketch_of).collect())
 }
 
 /// Compares a model file with its reference on the captures of some objects, photos unchanged.
@@ -509,7 +482,7 @@ pub fn agreement(
             photos,
         };
         let batch = Batch::draw(&[object], Some(1), &ask, &mut Pcg64::seed_from_u64(0));
-        let drawn = Drawn::new(reference, &batch.state(0, *counts.end()))?;
+        let sketches = drawn(reference, &batch.state(0, *counts.end()))?;
         let mut memory = Box::new(soarnet::Fixed::<1000, 64>::new());
         let poses = object.poses().iter().copied();
         let mut scorer = SoarNet::try_new(model, &mut *memory, Vec3::ZERO, poses)?;
@@ -531,7 +504,7 @@ pub fn agreement(
             let told = |outlooks: Vec<f32>| -> Result<Vec<f32>> {
                 Ok(runner.run(&State { outlooks, ..state.clone() })?.remove(0))
             };
-            let float = told(drawn.outlooks(object, &views[..count]))?;
+            let float = told(object.outlooks(&views[..count], &sketches))?;
             let own = (0..others).filter_map(|other| scorer.outlook(other)).flatten();
             let float_of_own = match photos {
                 true => told(own.map(|number| samples::outlook(number as i8)).collect())?,

@@ -9,7 +9,7 @@ use tract_onnx::prelude::*;
 use vantage_core::soarnet::features::{COUNT, DIRECTION, RELATION};
 use vantage_core::soarnet::{CELL, OUTLOOK};
 
-use crate::net::{LAST, OBJECTIVES, SIDE, STATE, Shape};
+use crate::net::{Build, LAST, OBJECTIVES, SIDE, STATE, Shape};
 use crate::samples::State;
 
 /// A named array.
@@ -151,6 +151,7 @@ fn shape_of(weights: &HashMap<String, Weights>) -> Option<Shape> {
         ];
     }
     let shape = Shape {
+        build: Build::Plain,
         channels,
         embedding,
         token: dim("token.weight", 1)?,

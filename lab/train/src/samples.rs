@@ -163,6 +163,25 @@ impl Object {
         self.walks[walk % self.walks.len()].views.iter().map(|&view| view.into())
     }
 
+    /// What the hull of the first views' sketches lets each candidate see, as the network is told it,
+    /// (Z, 8); nothing without sketches.
+    pub fn outlooks(&self, views: &[usize], sketches: &[[i8; SKETCH]]) -> Vec<f32> {
+        if sketches.is_empty() {
+            return Vec::new();
+        }
+        let stances = views.iter().map(|&view| &self.stances[view]);
+        let seen = || stances.clone().zip(sketches.iter().map(|sketch| sketch.as_slice()));
+        let mut form = Box::<Form>::default();
+        form.begin();
+        for (stance, sketch) in seen() {
+            form.take_in(stance, sketch);
+        }
+        let candidates: Vec<Direction> = self.stances.iter().map(|s| s.direction).collect();
+        let mut outlooks = vec![[0; OUTLOOK]; candidates.len()];
+        form.outlooks(seen(), &candidates, &mut outlooks);
+        outlooks.as_flattened().iter().map(|&number| outlook(number as i8)).collect()
+    }
+
     /// A view's photo before neutral grey, as bytes, shape (64, 64, 3).
     pub fn photo(&self, view: usize) -> Vec<u8> {
         let size = SIDE * SIDE * 4;

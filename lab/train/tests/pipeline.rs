@@ -8,10 +8,11 @@ use burn::tensor::{Device, Tensor};
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use vantage_core::objectives::Reading;
-use vantage_core::soarnet::Model;
+use vantage_core::soarnet::{CELL, DETAIL, Model};
 use vantage_lab::dataset::{self, Dataset, Parameters, Split};
 use vantage_train::fit::{self, Recipe, Run};
-use vantage_train::net::{Network, OBJECTIVES, Shape};
+use vantage_train::measure::{measure, measure_drawn};
+use vantage_train::net::{Build, Network, OBJECTIVES, Shape};
 use vantage_train::onnx;
 use vantage_train::quantize::{agreement, quantize};
 use vantage_train::reference::Reference;
@@ -83,6 +84,30 @@ fn values<const D: usize>(tensor: Tensor<D>) -> Vec<f32> {
 fn largest_difference(a: &[f32], b: &[f32]) -> f32 {
     assert_eq!(a.len(), b.len());
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
+}
+
+#[test]
+fn encoders_of_every_build_tell_an_embedding_and_a_sketch() {
+    for build in [Build::Plain, Build::Separable, Build::Halved] {
+        let net = settled(&Shape { build, ..small() });
+        let photos = batch(&ask(6, &[6])).question(&Device::flex()).photos;
+        let (embeddings, cells) = net.encoder.as_ref().unwrap().forward(photos);
+        assert_eq!((embeddings.dims(), cells.dims()), ([18, 8], [18, CELL, DETAIL, DETAIL]));
+        assert!(values(embeddings).iter().chain(&values(cells)).all(|value| value.is_finite()));
+    }
+}
+
+#[test]
+fn outlines_that_are_drawn_count_where_there_are_photos() {
+    let of = |shape: &Shape| {
+        let (net, device) = (settled(shape), Device::flex());
+        let some = &objects(Split::Train)[..2];
+        (measure(&net, some, 1, &device), measure_drawn(&net, some, 1, &device))
+    };
+    let (given, drawn) = of(&small());
+    assert_ne!(given, drawn);
+    let (given, drawn) = of(&small().without_photos());
+    assert_eq!(given, drawn);
 }
 
 #[test]

@@ -146,6 +146,56 @@ pub const ENCODER: [Layer; 12] = [
     Layer::new("embed", Work::Whole { columns: 768 }, 96),
 ];
 
+/// How an encoder is built.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Build {
+    /// As the shipped one.
+    Plain,
+    /// After the stem every window is over a channel by itself, with a layer of one pixel after it.
+    Separable,
+    /// Of photos with half as many pixels on each side; the second stage leaves the map as large as it
+    /// is.
+    Halved,
+}
+
+/// The encoders of `lab/ENCODERS.md`, the shipped one first: name, build, channels.
+pub const ENCODERS: [(&str, Build, [usize; 4]); 4] = [
+    ("encoder plain-16-16-32-48", Build::Plain, [16, 16, 32, 48]),
+    ("encoder plain-8-8-16-24", Build::Plain, [8, 8, 16, 24]),
+    ("encoder separable-16-16-32-48", Build::Separable, [16, 16, 32, 48]),
+    ("encoder halved-16-16-32-48", Build::Halved, [16, 16, 32, 48]),
+];
+
+/// Calls `each` with the layers of an encoder, from the photo to an embedding of 96 numbers.
+pub fn each_layer(build: Build, channels: [usize; 4], mut each: impl FnMut(Work, usize)) {
+    let [c0, c1, c2, c3] = channels;
+    let (photo, strides) = match build {
+        Build::Plain | Build::Separable => (64, [2, 2, 2]),
+        Build::Halved => (32, [2, 1, 2]),
+    };
+    each(Work::Colours { stride: 2, side: photo }, c0);
+    let mut side = photo / 2;
+    let stages = [[c0, c1], [c1, c2], [c2, c3]].into_iter().zip(strides);
+    for (stage, ([from, to], stride)) in (1..).zip(stages) {
+        let half = side / stride;
+        let pixels = half * half;
+        for (stride, side, channels) in [(stride, side, from), (1, half, to), (1, half, to)] {
+            if build == Build::Separable {
+                each(Work::Alone { stride, side }, channels);
+                each(Work::Pixels { pixels, channels }, to);
+            } else {
+                each(Work::Window { stride, side, channels }, to);
+            }
+        }
+        each(Work::Sum { elements: pixels * to }, 0);
+        side = half;
+        if stage == 2 {
+            each(Work::Pixels { pixels, channels: to }, 8); // the sketch, with its padding
+        }
+    }
+    each(Work::Whole { columns: side * side * c3 }, 96);
+}
+
 /// Products of the network's encoder.
 pub fn encoder_products(sizes: &Dimensions) -> usize {
     let [c0, c1, c2, c3] = sizes.channels;

@@ -1,4 +1,5 @@
-//! Counts the instructions of each layer and of a whole photo. A line for each, in columns parted by
+//! Counts the instructions of each layer, of encoders layer by layer, and of a whole photo. A line for
+//! each, in columns parted by
 //! tabs: name, products, instructions, and a digest of the result.
 //!
 //! QEMU's `-icount shift=0` makes an instruction a nanosecond; the timer counts at 25 MHz, so a tick is
@@ -14,10 +15,14 @@ mod bare {
     use cortex_m_rt::entry;
     use kernel_firmware::{Text, exit};
     use kernel_suite::backends::{Chosen, Scalar};
-    use kernel_suite::layers::{ANCHORS, Bench, ENCODER, digest, encoder_products, picture};
+    use kernel_suite::layers::{
+        ANCHORS, Bench, ENCODER, ENCODERS, Layer, Work, digest, each_layer, encoder_products,
+        picture,
+    };
     use vantage_core::soarnet::{Aligned, INPUT, Image, Model, Pixels, SIDE, Scratch};
 
     const PER_TICK: u32 = 40;
+    const DIFFERS: &str = "DIFFERS FROM THE DEFINITION";
 
     static FILE: &Aligned<[u8]> =
         &Aligned(*include_bytes!("../../../../../lab/models/soarnet.model"));
@@ -42,19 +47,38 @@ mod bare {
         let mut bench = Bench::new();
         let mut good = true;
         for layer in ANCHORS.iter().chain(&ENCODER) {
-            bench.prepare(layer);
-            bench.run::<Scalar>(layer);
-            let expected = bench.digest(layer);
-            bench.prepare(layer);
-            let instructions = count(&mut timer, || bench.run::<Chosen>(layer));
-            let is_equal = bench.digest(layer) == expected;
-            let products = layer.products();
-            let name = if is_equal { layer.name } else { "DIFFERS FROM THE DEFINITION" };
-            good &= is_equal;
-            good &= line(&mut text, name, products, instructions, expected);
+            let counted = count_layer(&mut bench, &mut timer, layer);
+            let name = if counted.is_some() { layer.name } else { DIFFERS };
+            let (instructions, digest) = counted.unwrap_or_default();
+            good &= counted.is_some();
+            good &= line(&mut text, name, layer.products(), instructions, digest);
+        }
+        for (name, build, channels) in ENCODERS {
+            let (mut sum, mut products, mut last) = (0, 0, 0);
+            let mut are_equal = true;
+            each_layer(build, channels, |work, rows| {
+                let layer = Layer { name, work, rows };
+                let counted = count_layer(&mut bench, &mut timer, &layer);
+                are_equal &= counted.is_some();
+                let (instructions, digest) = counted.unwrap_or_default();
+                (sum, last) = (sum + instructions, digest);
+                products += if matches!(work, Work::Sum { .. }) { 0 } else { layer.products() };
+            });
+            let name = if are_equal { name } else { DIFFERS };
+            good &= are_equal && line(&mut text, name, products, sum, last);
         }
         good &= count_photo(&mut text, &mut timer);
         exit(good)
+    }
+
+    /// Instructions of a layer and a digest of its result; `None` where that is not the definition's.
+    fn count_layer(bench: &mut Bench, timer: &mut SYST, layer: &Layer) -> Option<(u32, u32)> {
+        bench.prepare(layer);
+        bench.run::<Scalar>(layer);
+        let expected = bench.digest(layer);
+        bench.prepare(layer);
+        let instructions = count(timer, || bench.run::<Chosen>(layer));
+        (bench.digest(layer) == expected).then_some((instructions, expected))
     }
 
     fn line(text: &mut Text, name: &str, products: usize, instructions: u32, digest: u32) -> bool {
