@@ -65,14 +65,27 @@ const STAGES: &[Stage] = &[
         files: &["sweep/runs.csv", "sweep/results.json", "sweep/psnr.svg", "sweep/report.html"],
     },
     Stage {
-        call: "field ball --field plenoxels --views 12 --test-views 2 --steps 60 --out field",
+        call: "field ball --field plenoxels --views 12 --test-views 2 --steps 60 --fly fly.gif --out field",
         says: "LPIPS no weights",
-        files: &["field/course.json", "field/render-001.png"],
+        files: &["field/course.json", "field/render-001.png", "fly.gif"],
+    },
+    Stage {
+        call: "plan ball --scheme fps --candidates 20 --budget 8 --size 100 --profile nerf-synthetic --out scene",
+        says: "farthest",
+        files: &["scene/transforms_train.json", "scene/transforms_test.json"],
+    },
+    Stage {
+        call: SYNTHETIC,
+        says: "fps - random",
+        files: &["synthetic/runs.csv", "synthetic/report.html"],
     },
 ];
 
 const EVALUATE: &str = "evaluate ball --schemes random,fps --budgets 3 --seeds 2 --field plenoxels \
                         --steps 20 --test-views 2 --candidates 20 --out sweep";
+
+const SYNTHETIC: &str = "evaluate scene --schemes random,fps --budgets 3 --seeds 1 --field plenoxels \
+                         --steps 20 --test-views 2 --fly --out synthetic";
 
 /// What must be refused, in a folder that [`damage`] has prepared.
 #[rustfmt::skip]
@@ -99,7 +112,11 @@ const REFUSALS: &[Refusal] = &[
     Refusal { call: "evaluate ball --out data", says: "is not empty" },
     Refusal { call: "evaluate ball --field nerf --out sweep", says: "other settings" },
     Refusal { call: "evaluate ball --lpips foreign --out other", says: "cannot use foreign for LPIPS" },
+    Refusal { call: "evaluate scene --schemes fps,e --out other", says: "the scheme e needs a mesh" },
+    Refusal { call: "evaluate empty --out other", says: "empty holds no GLB" },
     Refusal { call: "field ball --views 13 --out field", says: "another training" },
+    Refusal { call: "field ball --fly fly.mp4", says: "ends in .gif" },
+    Refusal { call: "field ball --fly missing/fly.gif", says: "no folder for missing/fly.gif" },
     Refusal { call: "plan ball --scheme soarnet --model foreign --out plan", says: "foreign cannot be used" },
     Refusal { call: "plan ball --scheme soarnet --model cut.model --out plan", says: "cut.model cannot be used" },
     Refusal { call: "plan ball --scheme soarnet --model changed.model --out plan", says: "changed.model cannot be used" },

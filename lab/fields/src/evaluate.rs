@@ -4,7 +4,7 @@
 //! compared with photos from a circle of test views. Every finished run is a file of its own; the
 //! same command again, or with more schemes, budgets, seeds or objects, does what is missing.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
@@ -19,18 +19,20 @@ use vantage_lab::commands::ModelArgs;
 use vantage_lab::commands::compare::objects_of;
 use vantage_lab::network::Network;
 use vantage_lab::object::Object;
+use vantage_lab::photos::Scene;
 use vantage_lab::pool::{FOV_X_RAD, PoolArgs};
-use vantage_lab::render::Renderer;
 use vantage_lab::scheme;
 
+use crate::fly;
 use crate::lpips::Lpips;
 use crate::metrics::{psnr, ssim};
 use crate::page;
 use crate::photos::{Photos, Picture, test_circle, test_wave};
-use crate::plans::{self, Planner, Views};
+use crate::plans::{self, Views};
 use crate::recipe::{Kind, Preset, Recipe};
 use crate::results::Study;
 use crate::runs::{Run, Settings, Store, csv};
+use crate::subject::{self, Photographed, Rendered, Subject, scenes_in};
 use crate::summary::{self, Summary, summarise};
 use crate::train::Trainer;
 
@@ -38,10 +40,12 @@ use crate::train::Trainer;
 #[derive(Args, Clone, Debug)]
 pub struct EvaluateArgs {
     /// Objects: files, built-in names, classes, NAME:SEED, or folders of GLB, glTF and OBJ files; every
-    /// built-in one if none is named
+    /// built-in one if none is named. A folder like NeRF's synthetic scenes (transforms_train.json and
+    /// transforms_test.json), or a folder of such, gives photos: its training views are the candidates
     pub objects: Vec<String>,
     /// Schemes, separated by commas: those of `plan`, e-exact (the same as e), fibonacci (an even
-    /// lattice, not from the candidates), best-of-4-random and optimal-cqdt (the best in hindsight)
+    /// lattice, not from the candidates), best-of-4-random and optimal-cqdt (the best in hindsight),
+    /// activenerf (ActiveNeRF at a small size; it trains a network to choose: 40 s for 20 views)
     #[arg(long, value_delimiter = ',', default_value = "random,fps,e-exact,soarnet")]
     pub schemes: Vec<String>,
     /// Budgets, separated by commas
@@ -62,7 +66,8 @@ pub struct EvaluateArgs {
     /// Fields trained side by side, each on one thread [default: the processor's cores]
     #[arg(long, value_name = "J")]
     pub jobs: Option<usize>,
-    /// Test views on a tilted circle, or between the lowest and highest elevation, 1 to 200
+    /// Test views on a tilted circle, or between the lowest and highest elevation, 1 to 200; of a folder
+    /// of photos so many of its test views, or all
     #[arg(long, default_value_t = 24, value_name = "N")]
     pub test_views: usize,
     /// Measure LPIPS by this ONNX file: two pictures (1, 3, height, width) in [-1, 1], one number
@@ -71,6 +76,9 @@ pub struct EvaluateArgs {
     /// Add the runs, without their views, to a file from which `results` writes its page
     #[arg(long, value_name = "FILE")]
     pub keep: Option<PathBuf>,
+    /// Show in the report, instead of one test view of each scheme, a flight along all of them
+    #[arg(long)]
+    pub fly: bool,
     #[command(flatten)]
     pub model: ModelArgs,
     #[command(flatten)]
@@ -103,7 +111,8 @@ struct Wanted {
 /// Runs what is missing, then writes and prints what all of it says.
 pub fn run(args: &EvaluateArgs) -> Result<()> {
     let schemes = schemes_of(args)?;
-    let objects = objects_of(&args.objects)?;
+    let objects = objects_and_scenes(&args.objects)?;
+    subject::check(&schemes, &objects)?;
     let poses = args.pool.poses()?;
     check(args, poses.len())?;
     let networks = networks_of(args, &schemes)?;
@@ -194,6 +203,22 @@ fn schemes_of(args: &EvaluateArgs) -> Result<Vec<String>> {
     }
     ensure!(!schemes.is_empty(), "name at least one scheme");
     Ok(schemes)
+}
+
+/// The objects that are named, folders of scenes and of meshes opened.
+fn objects_and_scenes(names: &[String]) -> Result<Vec<String>> {
+    if names.is_empty() {
+        return objects_of(names);
+    }
+    let mut objects = Vec::new();
+    for name in names {
+        let scenes = scenes_in(Path::new(name));
+        if scenes.is_empty() {
+            objects.extend(objects_of(std::slice::from_ref(name))?);
+        }
+        objects.extend(scenes.into_iter().map(|scene| scene.to_string_lossy().into_owned()));
+    }
+    Ok(objects)
 }
 
 fn check(args: &EvaluateArgs, candidates: usize) -> Result<()> {
@@ -296,34 +321,43 @@ impl Sweep<'_> {
     }
 
     fn train(&self, name: &str, missing: &[&Wanted]) -> Result<Vec<Run>> {
+        let folder = Path::new(name);
+        if Scene::is_in(folder) {
+            let side = self.settings.photo_side;
+            let scene = Photographed::open(folder, side, self.args.test_views, self.networks)?;
+            return self.train_on(name, missing, &scene);
+        }
         let object = Object::open(Some(name), self.args.object_seed)?;
         for warning in &object.warnings {
             self.bar.suspend(|| eprintln!("warning: {name}: {warning}"));
         }
-        let renderer = Renderer::new(&object.mesh);
-        let planner = Planner::new(&object.mesh, self.poses, self.networks)?;
-        self.store.create(self.settings)?;
-        let test = Photos::of_mesh(&renderer, self.camera, self.test_poses.to_vec());
+        let rendered =
+            Rendered::new(&object.mesh, self.camera, self.poses, self.test_poses, self.networks)?;
+        self.train_on(name, missing, &rendered)
+    }
+
+    fn train_on(&self, name: &str, missing: &[&Wanted], subject: &dyn Subject) -> Result<Vec<Run>> {
+        let test = subject.test();
         // One plan for all budgets, unless it is no greedy one.
         let mut plans: Vec<(&str, u64, Views)> = Vec::new();
         let mut tasks: Vec<(&Wanted, Views)> = Vec::new();
         for one in missing {
             let known = |plan: &&(&str, u64, Views)| plan.0 == one.scheme && plan.1 == one.seed;
             let views = if one.scheme == plans::FIBONACCI {
-                planner.views(&one.scheme, one.budget, one.seed)?
+                subject.views(&one.scheme, one.budget, one.seed)?
             } else if let Some((_, _, views)) = plans.iter().find(known) {
                 views.first(one.budget)
             } else {
                 let most = self.args.budgets.iter().copied().max().unwrap_or(one.budget);
-                let views = planner.views(&one.scheme, most, one.seed)?;
+                let views = subject.views(&one.scheme, most, one.seed)?;
                 plans.push((&one.scheme, one.seed, views.clone()));
                 views.first(one.budget)
             };
             tasks.push((one, views));
         }
+        self.store.create(self.settings)?;
         // Photos are taken here, on all cores; the threads below train, each on one.
-        let photos = |views: &Views| Photos::of_mesh(&renderer, self.camera, views.poses.clone());
-        let photos: Vec<Photos> = tasks.iter().map(|(_, views)| photos(views)).collect();
+        let photos: Vec<Photos> = tasks.iter().map(|(_, views)| subject.photos(views)).collect();
 
         let next = AtomicUsize::new(0);
         let done: Mutex<Vec<Result<Run>>> = Mutex::new(Vec::new());
@@ -380,6 +414,9 @@ impl Sweep<'_> {
         page::beside(&found[0], &test.pictures[0])
             .save(self.store.render(&run))
             .context("a render cannot be written")?;
+        if self.args.fly {
+            fly::write(&self.store.flight(&run), &found, &test.pictures)?;
+        }
         self.store.keep(&run)?;
         Ok(run)
     }

@@ -1,7 +1,8 @@
 //! Radiance fields trained on planned views, and what schemes are worth by them.
 //!
 //! ```text
-//! photos -> volume, occupancy -> voxels, tensorf, nerf -> recipe -> train -> evaluate -> page
+//! photos -> volume, occupancy -> voxels, tensorf, nerf -> recipe -> train -> evaluate -> page, fly
+//!                                  nerf -> variance -> active -> subject -> evaluate
 //! ```
 //!
 //! One [trainer and renderer](train) serves three [kinds](recipe::Kind) of fields. The two grids have
@@ -12,7 +13,9 @@
 //! A field is trained on one thread, so that the same seed gives the same field; several are trained
 //! side by side. The `paper` presets have the papers' sizes and no GPU: they take many hours.
 //!
-//! Photos come from the lab's renderer, on white. Test views lie on a [circle](photos::test_circle).
+//! Photos come from the lab's renderer, on white; test views lie on a [circle](photos::test_circle). Or
+//! both come from a [folder](subject) like those of NeRF's synthetic scenes. Beside the schemes of the
+//! lab stands [ActiveNeRF](active), which trains a network to choose, at a small size.
 //!
 //! ```
 //! use vantage_core::Camera;
@@ -33,12 +36,14 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod active;
 mod adam;
 pub mod ceiling;
 #[cfg(test)]
 mod checks;
 pub mod evaluate;
 pub mod field;
+mod fly;
 mod grid;
 mod harmonics;
 pub mod lpips;
@@ -53,8 +58,10 @@ pub mod recipe;
 pub mod results;
 pub mod runs;
 pub mod scene;
+pub mod subject;
 pub mod summary;
 pub mod tensorf;
 pub mod train;
+mod variance;
 pub mod volume;
 pub mod voxels;

@@ -8,6 +8,9 @@
 //!
 //! Where we depart from the paper: one network, and [`Occupancy`](crate::occupancy) instead of its
 //! second, finer one to find where samples are worth taking; softplus instead of relu for densities.
+//!
+//! [`Nerf::with_variance`] has one more head, `last layer -> linear -> raw variance`, for
+//! [`variance`](crate::variance).
 
 use std::path::Path;
 
@@ -46,6 +49,7 @@ struct Network {
     density: Linear,
     branch: Linear,
     colour: Linear,
+    variance: Option<Linear>,
 }
 
 /// A network in training.
@@ -57,6 +61,7 @@ pub struct Nerf {
     density: Option<Tensor<1>>,  // (points), what the last call gave
     features: Option<Tensor<2>>, // (points, width)
     colour: Option<Tensor<2>>,   // (shown, 3)
+    variance: Option<Tensor<1>>, // (points)
     gradients: Option<GradientsParams>,
 }
 
@@ -83,6 +88,15 @@ fn encode(vectors: &[Vec3], frequencies: usize, device: &Device) -> Tensor<2> {
 impl Nerf {
     /// A network of random weights.
     pub fn new(config: Config, seed: u64) -> Self {
+        Self::made(config, seed, false)
+    }
+
+    /// The same, with a head for the variance of colours.
+    pub fn with_variance(config: Config, seed: u64) -> Self {
+        Self::made(config, seed, true)
+    }
+
+    fn made(config: Config, seed: u64, has_variance: bool) -> Self {
         let device = Device::flex().autodiff();
         let mut chance = Pcg64::seed_from_u64(seed);
         // Drawn here, not by burn, whose source of chance all threads share. He et al. (2015).
@@ -110,7 +124,9 @@ impl Nerf {
         let density = linear(config.width, 1, 0.3);
         let branch = linear(config.width + encoded(config.direction_frequencies), half, 1.0);
         let colour = linear(half, 3, 0.3);
-        let network = Network { trunk, density, branch, colour };
+        // Last, so that the others are the same with it and without.
+        let variance = has_variance.then(|| linear(config.width, 1, 0.3));
+        let network = Network { trunk, density, branch, colour, variance };
         let optimizer = AdamConfig::new().with_epsilon(1e-8).init();
         Self {
             config,
@@ -120,8 +136,44 @@ impl Nerf {
             density: None,
             features: None,
             colour: None,
+            variance: None,
             gradients: None,
         }
+    }
+
+    /// Raw variance of the points whose density was asked for last; shape (points), empty without
+    /// that head.
+    pub fn variance(&mut self) -> Vec<f32> {
+        let (Some(features), Some(head)) = (self.features.clone(), &self.network.variance) else {
+            return Vec::new();
+        };
+        let variance = head.forward(features).squeeze_dim::<1>(1);
+        self.variance = Some(variance.clone());
+        numbers(variance)
+    }
+
+    /// [`Field::accumulate`], of the loss's derivatives by raw variances too.
+    pub fn accumulate_all(
+        &mut self,
+        by_density: &[f32],
+        by_colour: &[[f32; 3]],
+        by_variance: &[f32],
+    ) {
+        // A sum of which these are the derivatives by density, colour and variance.
+        let given = |values: &[f32]| {
+            let data = TensorData::new(values.to_vec(), [values.len()]);
+            Tensor::<1>::from_data(data, &self.device)
+        };
+        let Some(density) = self.density.take() else { return };
+        let mut sum = (density * given(by_density)).sum();
+        if let Some(colour) = self.colour.take() {
+            let slopes = given(by_colour.as_flattened()).reshape([by_colour.len(), 3]);
+            sum = sum + (colour * slopes).sum();
+        }
+        if let Some(variance) = self.variance.take() {
+            sum = sum + (variance * given(by_variance)).sum();
+        }
+        self.gradients = Some(GradientsParams::from_grads(sum.backward(), &self.network));
     }
 }
 
@@ -133,6 +185,7 @@ fn numbers<const D: usize>(tensor: Tensor<D>) -> Vec<f32> {
 impl Field for Nerf {
     fn density(&mut self, points: &[Vec3]) -> Vec<f32> {
         (self.density, self.features, self.colour) = (None, None, None);
+        self.variance = None;
         if points.is_empty() {
             return Vec::new();
         }
@@ -165,16 +218,8 @@ impl Field for Nerf {
     }
 
     fn accumulate(&mut self, by_density: &[f32], by_colour: &[[f32; 3]]) {
-        // A sum of which these are the derivatives by density and colour.
-        let given = |values: Vec<f32>, shape: Vec<usize>| TensorData::new(values, shape);
-        let Some(density) = self.density.take() else { return };
-        let slopes = given(by_density.to_vec(), vec![by_density.len()]);
-        let mut sum = (density * Tensor::from_data(slopes, &self.device)).sum();
-        if let Some(colour) = self.colour.take() {
-            let slopes = given(by_colour.as_flattened().to_vec(), vec![by_colour.len(), 3]);
-            sum = sum + (colour * Tensor::from_data(slopes, &self.device)).sum();
-        }
-        self.gradients = Some(GradientsParams::from_grads(sum.backward(), &self.network));
+        self.variance = None;
+        self.accumulate_all(by_density, by_colour, &[]);
     }
 
     fn advance(&mut self, rate: f32) {
@@ -201,7 +246,9 @@ impl Field for Nerf {
             |path: &Path, error: String| anyhow!("cannot read {}: {error}", path.display());
         let record =
             ModuleRecord::load(&weights).map_err(|error| failed(&weights, error.to_string()))?;
-        self.network = Self::new(self.config.clone(), 0).network.load_record(record);
+        let has_variance = self.network.variance.is_some();
+        let fresh = Self::made(self.config.clone(), 0, has_variance);
+        self.network = fresh.network.load_record(record);
         let optimizer: ModuleOptimizer = AdamConfig::new().with_epsilon(1e-8).init();
         self.optimizer =
             optimizer.load(&state).map_err(|error| failed(&state, error.to_string()))?;
@@ -229,6 +276,9 @@ mod tests {
         Nerf::new(config, 3)
     }
 
+    /// One of a network's layers.
+    type Layer = fn(&mut Network) -> &mut Linear;
+
     /// burn knows its own derivatives; this is about what goes in and comes out.
     #[test]
     fn slopes_reach_the_parameters() {
@@ -238,34 +288,65 @@ mod tests {
         let directions = [Vec3::X, Vec3::Y, Vec3::NEG_Z];
         let by_density = [0.5, -1.0, 0.0, 2.0, 0.3];
         let by_colour = [[1.0, 0.0, -1.0], [0.5, 0.5, 0.5], [0.0, 2.0, 0.0]];
+        let by_variance = [-0.7, 1.5, 0.4, 0.0, 1.0];
         let value = |nerf: &mut Nerf| -> f32 {
             let density = nerf.density(&points);
             let colour = nerf.colour(&shown, &directions);
-            let of_density: f32 = density.iter().zip(by_density).map(|(a, b)| a * b).sum();
+            let variance = nerf.variance();
+            let of_density = density.iter().zip(&by_density);
             let of_colour = colour.iter().flatten().zip(by_colour.as_flattened());
-            of_density + of_colour.map(|(a, b)| a * b).sum::<f32>()
+            let of_variance = variance.iter().zip(&by_variance); // of a head that may be missing
+            of_density.chain(of_colour).chain(of_variance).map(|(a, b)| a * b).sum()
         };
-        let mut nerf = small();
-        value(&mut nerf);
-        nerf.accumulate(&by_density, &by_colour);
-        let gradients = nerf.gradients.take().unwrap();
-        let weight = nerf.network.trunk[1].weight.clone();
-        let told = numbers(gradients.get::<2>(weight.id).unwrap());
-        let values = numbers(weight.val());
-        let mut compared = 0;
-        for index in (0..values.len()).step_by(5) {
-            let mut at = |off: f32| {
-                let mut values = values.clone();
-                values[index] += off;
-                let data = TensorData::new(values, weight.dims());
-                nerf.network.trunk[1].weight = Param::from_data(data, &nerf.device);
-                value(&mut nerf)
-            };
-            let found = (at(1e-2) - at(-1e-2)) / 2e-2;
-            assert!((found - told[index]).abs() < 2e-3 + 0.02 * told[index].abs(), "{index}");
-            compared += usize::from(told[index].abs() > 0.05);
+        let layers: [Layer; 4] = [
+            |network| &mut network.trunk[1],
+            |network| &mut network.density,
+            |network| &mut network.colour,
+            |network| network.variance.as_mut().unwrap(),
+        ];
+        for (has_variance, layers) in [(false, &layers[..3]), (true, &layers[..])] {
+            let mut nerf = Nerf::made(small().config, 3, has_variance);
+            value(&mut nerf);
+            if has_variance {
+                nerf.accumulate_all(&by_density, &by_colour, &by_variance);
+            } else {
+                nerf.accumulate(&by_density, &by_colour);
+            }
+            let gradients = nerf.gradients.take().unwrap();
+            for (place, layer) in layers.iter().enumerate() {
+                let weight = layer(&mut nerf.network).weight.clone();
+                let told = numbers(gradients.get::<2>(weight.id).unwrap());
+                let values = numbers(weight.val());
+                let mut compared = 0;
+                for index in 0..values.len() {
+                    let mut at = |off: f32| {
+                        let mut values = values.clone();
+                        values[index] += off;
+                        let data = TensorData::new(values, weight.dims());
+                        let weight = Param::from_data(data, &nerf.device);
+                        layer(&mut nerf.network).weight = weight;
+                        value(&mut nerf)
+                    };
+                    let found = (at(1e-2) - at(-1e-2)) / 2e-2;
+                    at(0.0);
+                    let told = told[index];
+                    let close = (found - told).abs() < 2e-3 + 0.02 * told.abs();
+                    assert!(close, "layer {place}, {index}: {found} {told}");
+                    compared += usize::from(told.abs() > 0.05);
+                }
+                assert!(compared > 2, "layer {place}: {compared}");
+            }
         }
-        assert!(compared > 5, "{compared}");
+    }
+
+    #[test]
+    fn the_head_for_variance_changes_no_other() {
+        let points = [Vec3::splat(0.3), Vec3::X];
+        let (mut without, mut with) = (small(), Nerf::with_variance(small().config, 3));
+        assert_eq!(without.density(&points), with.density(&points));
+        let seen = |nerf: &mut Nerf| nerf.colour(&[0, 1], &[Vec3::Y; 2]);
+        assert_eq!(seen(&mut without), seen(&mut with));
+        assert_eq!((without.variance().len(), with.variance().len()), (0, 2));
     }
 
     #[test]

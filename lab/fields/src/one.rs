@@ -14,6 +14,7 @@ use vantage_lab::pool::FOV_X_RAD;
 use vantage_lab::render::Renderer;
 
 use crate::evaluate::Quality;
+use crate::fly;
 use crate::lpips::Lpips;
 use crate::photos::{Photos, dense_views, test_circle};
 use crate::recipe::{Kind, Preset, Recipe};
@@ -49,6 +50,10 @@ pub struct FieldArgs {
     /// Measure LPIPS by this ONNX file: see `evaluate`
     #[arg(long, value_name = "FILE")]
     pub lpips: Option<PathBuf>,
+    /// Fly along the test views, the render beside the truth: write an animated GIF, or, for a name
+    /// without ending, a folder of numbered PNG files; more --test-views make a smoother flight
+    #[arg(long, value_name = "FILE.gif")]
+    pub fly: Option<PathBuf>,
     /// Folder of the training; an interrupted one continues
     #[arg(long, short, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -71,6 +76,7 @@ pub fn run(args: &FieldArgs) -> Result<()> {
     let mut recipe = Recipe::new(args.field, args.preset);
     recipe.steps = args.steps.unwrap_or(recipe.steps);
     recipe.check()?;
+    args.fly.as_deref().map(fly::check).transpose()?;
     let object = Object::open(Some(&args.object), 0)?;
     let side = args.preset.photo_side();
     let camera = Camera::from_fov(side, side, FOV_X_RAD)?;
@@ -130,6 +136,9 @@ pub fn run(args: &FieldArgs) -> Result<()> {
                 .save(&path)
                 .with_context(|| format!("cannot write {}", path.display()))?;
         }
+    }
+    if let Some(path) = &args.fly {
+        fly::write(path, &found, &test.pictures)?;
     }
     let lpips = quality.lpips.map_or("no weights".to_owned(), |lpips| format!("{lpips:.4}"));
     println!(

@@ -224,8 +224,8 @@ fn renders(html: &mut String, runs: &[Run], schemes: &[String], store: &Store) -
     let Some(budget) = runs.iter().map(|run| run.budget).min() else { return Ok(()) };
     let _ = writeln!(
         html,
-        "<section><h2>Renders</h2>\n<p>The first test view after {budget} views, seed 0; the field's \
-         render on the left, the truth on the right.</p>"
+        "<section><h2>Renders</h2>\n<p>After {budget} views, seed 0: the first test view, or where there \
+         are flights all of them in turn; the field's render on the left, the truth on the right.</p>"
     );
     let mut last = None;
     let shown = |run: &&Run| run.budget == budget && run.seed == 0 && schemes.contains(&run.scheme);
@@ -234,13 +234,15 @@ fn renders(html: &mut String, runs: &[Run], schemes: &[String], store: &Store) -
             let _ = writeln!(html, "<h3>{}</h3>", escape(&run.object));
             last = Some(&run.object);
         }
-        let path = store.render(run);
-        let png = fs::read(&path).with_context(|| format!("cannot read {}", path.display()))?;
+        let flight = store.flight(run);
+        let (path, kind) =
+            if flight.exists() { (flight, "gif") } else { (store.render(run), "png") };
+        let bytes = fs::read(&path).with_context(|| format!("cannot read {}", path.display()))?;
         let _ = writeln!(
             html,
             "<figure style=\"display:inline-block;margin:4px\"><img alt=\"render and truth\" \
-             src=\"data:image/png;base64,{}\"><figcaption>{} {:.2} dB</figcaption></figure>",
-            BASE64_STANDARD.encode(png),
+             src=\"data:image/{kind};base64,{}\"><figcaption>{} {:.2} dB</figcaption></figure>",
+            BASE64_STANDARD.encode(bytes),
             escape(&run.scheme),
             run.psnr
         );

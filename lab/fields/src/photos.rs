@@ -64,6 +64,31 @@ impl Picture {
         Self { width: photo.width() as usize, pixels }
     }
 
+    /// A square picture at a smaller side: every pixel is the mean of what it covers.
+    pub fn smaller(&self, side: usize) -> Self {
+        let scale = self.width as f32 / side as f32;
+        // Along one axis: which pixels a new one covers, and how much of each.
+        let covered: Vec<Vec<(usize, f32)>> = (0..side)
+            .map(|new| {
+                let (low, high) = (new as f32 * scale, (new + 1) as f32 * scale);
+                let last = (high.ceil() as usize).min(self.width);
+                let share = |old: usize| high.min(old as f32 + 1.0) - low.max(old as f32);
+                (low as usize..last).map(|old| (old, share(old) / scale)).collect()
+            })
+            .collect();
+        let pixel = |place: usize| {
+            let mut sum = [0.0; 3];
+            for &(y, tall) in &covered[place / side] {
+                for &(x, wide) in &covered[place % side] {
+                    let old = self.pixels[y * self.width + x];
+                    sum = std::array::from_fn(|c| sum[c] + tall * wide * old[c]);
+                }
+            }
+            sum
+        };
+        Self { width: side, pixels: (0..side * side).map(pixel).collect() }
+    }
+
     /// In 8 bits.
     pub fn to_image(&self) -> image::RgbImage {
         let level = |value: f32| (value.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
@@ -191,6 +216,21 @@ mod tests {
             .fold((90.0f32, -90.0f32), |(low, high), at| (low.min(at), high.max(at)));
         assert!((4.9..10.0).contains(&low) && (55.0..60.1).contains(&high), "{low} {high}");
         assert!(test_wave(0, [5.0, 60.0]).is_err());
+    }
+
+    #[test]
+    fn a_smaller_picture_is_of_means() {
+        let pixels: Vec<[f32; 3]> = (0..36).map(|i| [i as f32, (i % 6) as f32, 0.5]).collect();
+        let picture = Picture { width: 6, pixels };
+        let small = picture.smaller(3);
+        assert_eq!(small.pixels[4], [(14.0 + 15.0 + 20.0 + 21.0) / 4.0, 2.5, 0.5]);
+        assert_eq!(picture.smaller(6), picture);
+        let uneven = picture.smaller(4);
+        let mean = |picture: &Picture| {
+            picture.pixels.iter().map(|pixel| pixel[0]).sum::<f32>() / picture.pixels.len() as f32
+        };
+        assert!((mean(&uneven) - mean(&picture)).abs() < 1e-4);
+        assert!((uneven.pixels[0][1] - 1.0 / 3.0).abs() < 1e-6); // all of column 0, half of 1
     }
 
     #[test]

@@ -13,6 +13,8 @@ use vantage_lab::network::{self, Network};
 use vantage_lab::pool::{DISTANCE, FOV_X_RAD};
 use vantage_lab::scheme;
 
+use crate::active;
+
 /// Evenly spread views that are no candidates.
 pub const FIBONACCI: &str = "fibonacci";
 
@@ -42,6 +44,7 @@ pub fn describe(scheme: &str) -> &str {
     let hindsight = HINDSIGHT.iter().find(|(name, _)| *name == scheme).map(|(_, words)| *words);
     match scheme {
         FIBONACCI => "an even lattice on the sphere, not from the candidates",
+        active::NAME => "ActiveNeRF at a small size: where a network in training is least sure",
         _ => hindsight.unwrap_or_else(|| scheme::describe(scheme)),
     }
 }
@@ -53,11 +56,17 @@ pub fn has_chance(scheme: &str) -> bool {
 
 /// Fails for a name that is none.
 pub fn check(name: &str) -> Result<()> {
-    let known = name == FIBONACCI
+    let known = matches!(name, FIBONACCI | active::NAME)
         || HINDSIGHT.iter().any(|(known, _)| *known == name)
         || scheme::plan(name, 1, 0).is_some();
     let others: Vec<&str> = HINDSIGHT.iter().map(|(name, _)| *name).collect();
-    ensure!(known, "{}, e-exact, {FIBONACCI}, {}", scheme::unknown(name), others.join(", "));
+    ensure!(
+        known,
+        "{}, e-exact, {FIBONACCI}, {}, {}",
+        scheme::unknown(name),
+        active::NAME,
+        others.join(", ")
+    );
     Ok(())
 }
 
@@ -146,7 +155,15 @@ mod tests {
 
     #[test]
     fn names_are_known_or_refused() {
-        for name in ["random", "soarnet", "fibonacci", "optimal-cqdt", "best-of-4-random", "d"] {
+        for name in [
+            "random",
+            "soarnet",
+            "fibonacci",
+            "activenerf",
+            "optimal-cqdt",
+            "best-of-4-random",
+            "d",
+        ] {
             check(name).unwrap();
             assert_ne!(describe(name), name);
         }

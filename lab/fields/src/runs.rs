@@ -123,6 +123,11 @@ impl Store {
         self.folder.join("renders").join(format!("{name}.png"))
     }
 
+    /// The flight of a run along the test views, where there is one.
+    pub fn flight(&self, run: &Run) -> PathBuf {
+        self.render(run).with_extension("gif")
+    }
+
     /// A run that is finished already.
     pub fn find(
         &self,

@@ -20,6 +20,20 @@ pub const EVERY: usize = 50;
 /// Rays that are rendered at once.
 const RENDERED: usize = 4096;
 
+/// The rays of a step, and the source of what else it leaves to chance.
+pub(crate) fn draw(
+    rays: &[(Ray, [f32; 3])],
+    recipe: &Recipe,
+    seed: u64,
+    step: usize,
+) -> (Vec<(Ray, [f32; 3])>, Pcg64) {
+    let mut chance = Pcg64::seed_from_u64(seed ^ (step as u64 + 1) << 32);
+    let drawn = (0..recipe.rays.min(rays.len()))
+        .map(|_| rays[chance.random_range(0..rays.len())])
+        .collect();
+    (drawn, chance)
+}
+
 /// A field and how far its training is.
 pub struct Trainer {
     recipe: Recipe,
@@ -78,10 +92,7 @@ impl Trainer {
                 self.occupancy = Occupancy::of(&mut *self.field, self.recipe.step_m());
             }
         }
-        let mut chance = Pcg64::seed_from_u64(self.seed ^ (self.step as u64 + 1) << 32);
-        let drawn: Vec<(Ray, [f32; 3])> = (0..self.recipe.rays.min(self.rays.len()))
-            .map(|_| self.rays[chance.random_range(0..self.rays.len())])
-            .collect();
+        let (drawn, mut chance) = draw(&self.rays, &self.recipe, self.seed, self.step);
         let rays: Vec<Ray> = drawn.iter().map(|(ray, _)| *ray).collect();
         let samples =
             Samples::along(&rays, &self.occupancy, self.recipe.step_m(), || chance.random());

@@ -29,20 +29,23 @@ const LEAST_LIGHT: f32 = 1e-3;
 /// The optical depth of a step through a raw density.
 #[inline]
 pub fn optical_depth(raw: f32, step: f32) -> f32 {
-    let x = raw + SHIFT;
-    // ln(1 + e^x) without overflow.
-    let softplus = x.max(0.0) + (-x.abs()).exp().ln_1p();
-    step * SCALE * softplus
+    step * SCALE * softplus(raw + SHIFT)
+}
+
+/// `ln(1 + e^x)` without overflow; its derivative is the sigmoid.
+#[inline]
+pub(crate) fn softplus(x: f32) -> f32 {
+    x.max(0.0) + (-x.abs()).exp().ln_1p()
 }
 
 /// Its derivative by the raw density.
 #[inline]
-fn depth_slope(raw: f32, step: f32) -> f32 {
+pub(crate) fn depth_slope(raw: f32, step: f32) -> f32 {
     step * SCALE * sigmoid(raw + SHIFT)
 }
 
 #[inline]
-fn sigmoid(x: f32) -> f32 {
+pub(crate) fn sigmoid(x: f32) -> f32 {
     1.0 / (1.0 + (-x).exp())
 }
 
@@ -54,7 +57,7 @@ pub struct Samples {
     /// Where the samples of each ray end; shape (rays).
     ends: Vec<u32>,
     /// Metres between two samples.
-    step: f32,
+    pub(crate) step: f32,
 }
 
 impl Samples {
@@ -83,7 +86,7 @@ impl Samples {
     }
 
     /// The samples of each ray.
-    fn ranges(&self) -> impl Iterator<Item = std::ops::Range<usize>> {
+    pub(crate) fn ranges(&self) -> impl Iterator<Item = std::ops::Range<usize>> {
         let starts = std::iter::once(0).chain(self.ends.iter().copied());
         starts.zip(&self.ends).map(|(start, &end)| start as usize..end as usize)
     }
@@ -94,11 +97,11 @@ impl Samples {
 pub struct Seen {
     /// Shape (rays).
     pub colours: Vec<[f32; 3]>,
-    raw_density: Vec<f32>,   // (points)
-    depths: Vec<f32>,        // (points), optical
-    light: Vec<f32>,         // (points), T_i
-    shown: Vec<u32>,         // indices of points that have a colour
-    by_point: Vec<[f32; 3]>, // (points), 0 where not shown
+    pub(crate) raw_density: Vec<f32>, // (points)
+    pub(crate) depths: Vec<f32>,      // (points), optical
+    pub(crate) light: Vec<f32>,       // (points), T_i
+    shown: Vec<u32>,                  // indices of points that have a colour
+    by_point: Vec<[f32; 3]>,          // (points), 0 where not shown
 }
 
 /// The loss's derivatives by what a field gave: by raw densities of all samples, and by raw colours of
@@ -178,7 +181,7 @@ impl Seen {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use std::path::Path;
 
     use anyhow::Result;
@@ -186,9 +189,9 @@ mod tests {
     use super::*;
 
     /// Raw numbers that are given for every sample.
-    struct Given {
-        density: Vec<f32>,
-        colour: Vec<[f32; 3]>,
+    pub struct Given {
+        pub density: Vec<f32>,
+        pub colour: Vec<[f32; 3]>,
     }
 
     impl Field for Given {
@@ -209,7 +212,7 @@ mod tests {
         }
     }
 
-    fn two_rays() -> (Vec<Ray>, Samples, Given) {
+    pub fn two_rays() -> (Vec<Ray>, Samples, Given) {
         let ray = |y: f32| Ray { origin: Vec3::new(3.0, y, 0.1), direction: Vec3::NEG_X };
         let rays = vec![ray(0.1), ray(-0.7), ray(5.0)];
         let samples = Samples::along(&rays, &Occupancy::full(), 0.2, || 0.5);
