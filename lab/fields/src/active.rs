@@ -7,7 +7,7 @@
 //!     take the photos of the `each` candidates with the largest gain
 //! ```
 //!
-//! [`variance`](crate::variance) has the loss and the gain; a candidate's is the sum over a coarse
+//! `variance` has the loss and the gain; a candidate's is the sum over a coarse
 //! picture of it. The `each` candidates are taken by that one ranking, as the authors take them. No
 //! choice depends on how many follow, so a plan begins with every smaller one.
 //!

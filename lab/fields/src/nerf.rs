@@ -10,7 +10,7 @@
 //! second, finer one to find where samples are worth taking; softplus instead of relu for densities.
 //!
 //! [`Nerf::with_variance`] has one more head, `last layer -> linear -> raw variance`, for
-//! [`variance`](crate::variance).
+//! `variance`.
 
 use std::path::Path;
 

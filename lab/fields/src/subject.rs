@@ -1,7 +1,7 @@
 //! What schemes are compared on: a mesh that is rendered, or a folder of photos.
 //!
 //! A folder of photos is one of NeRF's synthetic scenes or like them: see
-//! [`Scene`](vantage_lab::photos::Scene). Its views to train on are the candidates, its views to test
+//! [`Scene`]. Its views to train on are the candidates, its views to test
 //! by the test. Of the comparison that the SO-NeRF paper makes on them, these things differ:
 //!
 //! - Photos and renders have 100 pixels a side (`paper`: 400), made from the 800 of the files by means
@@ -10,7 +10,7 @@
 //! - Fields are this crate's, not nerfstudio's, at the presets' sizes.
 //! - The object is brought into the unit sphere by the outlines in all photos to train on: that is
 //!   more than a planner in the field would know, and the same for all schemes.
-//! - ActiveNeRF runs at a small size: see [`active`](crate::active).
+//! - ActiveNeRF runs at a small size: see [`active`].
 //! - The paper leaves out *chair*, since its network was trained on chairs; ours was trained on made
 //!   objects of 20 classes, a class of chairs among them. Nothing is left out here.
 
