@@ -45,7 +45,7 @@ pub struct EvaluateArgs {
     pub objects: Vec<String>,
     /// Schemes, separated by commas: those of `plan`, e-exact (the same as e), fibonacci (an even
     /// lattice, not from the candidates), best-of-4-random and optimal-cqdt (the best in hindsight),
-    /// activenerf (ActiveNeRF at a small size; it trains a network to choose: 40 s for 20 views)
+    /// activenerf (ActiveNeRF at a small size; it trains a network to choose: a minute for 20 views)
     #[arg(long, value_delimiter = ',', default_value = "random,fps,e-exact,soarnet")]
     pub schemes: Vec<String>,
     /// Budgets, separated by commas
