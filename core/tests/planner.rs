@@ -731,7 +731,8 @@ fn random_choices_are_even() {
 #[test]
 fn every_reason_has_words() {
     let objectives = Objective::ALL.map(Reason::Objective);
-    let others = [Reason::Start, Reason::Chance, Reason::Farthest, Reason::AllObjectives];
+    let others =
+        [Reason::Start, Reason::Chance, Reason::Farthest, Reason::AllObjectives, Reason::Support];
     let words: HashSet<String> =
         objectives.into_iter().chain(others).map(|reason| reason.to_string()).collect();
     assert_eq!(words.len(), 8);
