@@ -735,5 +735,5 @@ fn every_reason_has_words() {
         [Reason::Start, Reason::Chance, Reason::Farthest, Reason::AllObjectives, Reason::Support];
     let words: HashSet<String> =
         objectives.into_iter().chain(others).map(|reason| reason.to_string()).collect();
-    assert_eq!(words.len(), 8);
+    assert_eq!(words.len(), 9);
 }
