@@ -80,7 +80,10 @@ impl Labelled {
     ///
     /// `done` is called after each view.
     pub fn run(&self, plan: Plan, done: impl FnMut()) -> Result<Vec<Step>> {
-        self.run_then(plan, usize::MAX, plan, done)
+        match plan.scheme() {
+            Scheme::Support => self.run_support(plan, done),
+            _ => self.run_then(plan, usize::MAX, plan, done),
+        }
     }
 
     /// The first views of a plan, as every plan begins that does not say otherwise, and then
@@ -98,9 +101,6 @@ impl Labelled {
         then: Plan,
         mut done: impl FnMut(),
     ) -> Result<Vec<Step>> {
-        if first.scheme() == Scheme::Support {
-            return self.run_support(first, done);
-        }
         let sightings = self.sightings();
         let mut accounts = vec![FaceAccount::default(); self.faces.len()];
         let ledger = Ledger::try_new(self.surface()?, self.reading, &mut accounts)?;

@@ -82,7 +82,8 @@ pub fn needs_support(name: &str) -> bool {
 
 /// Whether a scheme can choose by poses alone: without a mesh and without a network.
 pub fn needs_poses_only(name: &str) -> bool {
-    matches!(name, "fps" | "pc-fps" | "random")
+    let base = parts(name).map(|(base, _)| base);
+    matches!(base, Some("fps" | "pc-fps" | "random"))
 }
 
 /// The networks that schemes may ask.
@@ -173,6 +174,7 @@ mod tests {
         assert_eq!(network("soarnet-q@1"), Some((Network::Soarnet, "q")));
         assert!(plan("e@1.1", 5, 0).is_none() && plan("e@", 5, 0).is_none());
         assert!(needs_support("support@0.3") && !needs_support("fps") && !needs_support("best"));
+        assert!(needs_poses_only("fps@0.5") && !needs_poses_only("e"));
         assert!(unknown("best").contains("pc-fps"));
     }
 }

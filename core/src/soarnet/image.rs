@@ -11,8 +11,8 @@
 //! ```
 //!
 //! Where the window has the network's size, every box is a pixel and is copied: the same bytes, for a
-//! sixth of the instructions. A box smaller than a pixel works the same way, so a small window is enlarged by its nearest
-//! pixels, with mixed ones in between. Beyond the picture's border the nearest pixel is repeated.
+//! sixth of the instructions. A box smaller than a pixel works the same way, so a small window is
+//! enlarged by its nearest pixels, with mixed ones in between. Beyond the picture's border the nearest pixel is repeated.
 
 use core::fmt;
 

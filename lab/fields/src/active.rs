@@ -7,9 +7,8 @@
 //!     take the photos of the `each` candidates with the largest gain
 //! ```
 //!
-//! `variance` has the loss and the gain; a candidate's is the sum over a coarse
-//! picture of it. The `each` candidates are taken by that one ranking, as the authors take them. No
-//! choice depends on how many follow, so a plan begins with every smaller one.
+//! `variance` has the loss and the gain; a candidate's is the sum over a coarse picture of it. The `each`
+//! candidates are taken by that one ranking, as the authors take them. No choice depends on how many follow, so a plan begins with every smaller one.
 //!
 //! Where the SO-NeRF paper's setting differs: it trains 200,000 steps at the authors' size on a GPU, 5
 //! seed views it does not name, then 5 more every 40,000. Here are 5 and 5 too, but a network of the
@@ -254,14 +253,12 @@ mod tests {
             learner.advance();
         }
         let after = [mean(&mut learner, &near), mean(&mut learner, &far)];
-        println!("{before:?} -> {after:?}");
         assert!(after[0] < 0.5 * before[0], "{before:?} -> {after:?}");
         assert!(after[0] < 0.8 * after[1], "{before:?} -> {after:?}");
         let gain = |learner: &mut Learner, poses: &[Pose]| -> f64 {
             poses.iter().map(|pose| learner.gain(&camera(), pose)).sum::<f64>() / poses.len() as f64
         };
         let gains = [gain(&mut learner, &near), gain(&mut learner, &far)];
-        println!("{gains:?}");
         assert!(gains[0] < gains[1], "{gains:?}");
     }
 }

@@ -22,7 +22,9 @@ use indicatif::{ProgressBar, ProgressStyle};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
+use vantage_core::planner::Plan;
 use vantage_core::{Camera, Pose};
+use vantage_lab::blind;
 use vantage_lab::commands::compare::objects_of;
 use vantage_lab::object::Object;
 use vantage_lab::pool::{FOV_X_RAD, PoolArgs};
@@ -30,7 +32,6 @@ use vantage_lab::render::Renderer;
 
 use crate::metrics::psnr;
 use crate::photos::{Photos, test_circle};
-use crate::plans::Planner;
 use crate::recipe::{Kind, Preset, Recipe};
 use crate::train::Trainer;
 
@@ -213,8 +214,7 @@ fn search(
     let file: String = name.chars().map(plain).collect();
     let mut trials = Trials::open(&args.out.join(format!("{file}.{budget}.jsonl")))?;
     bar.inc(trials.known.len() as u64);
-    let planner = Planner::new(&object.mesh, poses, &[])?;
-    let start = planner.views("fps", budget, 0)?.candidates.context("candidates are missing")?;
+    let start = blind::views(poses, Plan::farthest_point(budget))?;
     let mut best: Option<Trial> = None;
     for number in 0..args.fits {
         let mut chance = Pcg64::seed_from_u64(number as u64);
@@ -225,8 +225,14 @@ fn search(
             views[place] = rest[chance.random_range(0..rest.len())];
         }
         let trial = match trials.known.get(number) {
-            Some(known) if known.views == views => known.clone(),
-            _ => trials.keep(Trial { psnr: fit(&views, 0, &searched)?, views })?,
+            Some(known) => {
+                ensure!(
+                    known.views == views,
+                    "the trials of {name} for {budget} views are of another search: delete them"
+                );
+                known.clone()
+            }
+            None => trials.keep(Trial { psnr: fit(&views, 0, &searched)?, views })?,
         };
         if best.as_ref().is_none_or(|best| trial.psnr > best.psnr) {
             best = Some(trial);

@@ -1,8 +1,7 @@
 //! What schemes are compared on: a mesh that is rendered, or a folder of photos.
 //!
-//! A folder of photos is one of NeRF's synthetic scenes or like them: see
-//! [`Scene`]. Its views to train on are the candidates, its views to test
-//! by the test. Of the comparison that the SO-NeRF paper makes on them, these things differ:
+//! A folder of photos is one of NeRF's synthetic scenes or like them: see [`Scene`]. Its views to train
+//! on are the candidates; what is trained is compared with its views to test by. Of the comparison that the SO-NeRF paper makes on them, these things differ:
 //!
 //! - Photos and renders have 100 pixels a side (`paper`: 400), made from the 800 of the files by means
 //!   over areas, after white has been laid behind them in sRGB.
