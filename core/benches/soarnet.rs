@@ -102,7 +102,7 @@ fn outlooks_of_100_candidates_after_10_views(bencher: Bencher<'_, '_>) {
     let mut outlooks = [[0; OUTLOOK]; 100];
     let mut compute = || {
         let seen = stances.iter().map(|stance| (stance, sketch.as_slice()));
-        form.outlooks(seen, black_box(&candidates), &mut outlooks);
+        form.outlooks(seen, black_box(&candidates), &mut outlooks, |_, _| ());
         outlooks[0]
     };
     assert!(compute().iter().any(|&number| number != 0));

@@ -12,7 +12,7 @@ use vantage_core::objectives::{FaceAccount, Ledger};
 use vantage_core::planner::{NextView, Plan, Scorer, Session};
 use vantage_core::soarnet::{
     Form, Image, Lists, ListsMut, Memory, Model, OUTLOOK, Photo, Pixels, SIDE, SKETCH, Scratch,
-    SoarNet, features,
+    SoarNet, Standpoint, features,
 };
 use vantage_core::{Camera, Objective, Pose, Vec3};
 
@@ -181,9 +181,11 @@ pub struct HeapMemory {
     maxima: Vec<i8>,
     outlooks: Vec<[i32; OUTLOOK]>,
     ranks: Vec<[i32; 4]>,
+    standpoints: Vec<Standpoint>,
     embeddings: Vec<i8>,
     sketches: Vec<[i8; SKETCH]>,
     stances: Vec<features::Stance>,
+    taken: Vec<Standpoint>,
     form: Box<Form>,
     scratch: Box<Scratch>,
 }
@@ -197,9 +199,11 @@ impl HeapMemory {
             maxima: vec![0; candidates * sizes.width],
             outlooks: vec![[0; OUTLOOK]; candidates],
             ranks: vec![[0; 4]; candidates],
+            standpoints: vec![Standpoint::NONE; candidates],
             embeddings: vec![0; views * sizes.embedding],
             sketches: vec![[0; SKETCH]; if sizes.embedding > 0 { views } else { 0 }],
             stances: vec![features::Stance::default(); views],
+            taken: vec![Standpoint::NONE; views],
             form: Box::default(),
             scratch: Box::default(),
         }
@@ -213,9 +217,11 @@ impl Memory for HeapMemory {
             maxima: &self.maxima,
             outlooks: &self.outlooks,
             ranks: &self.ranks,
+            standpoints: &self.standpoints,
             embeddings: &self.embeddings,
             sketches: &self.sketches,
             stances: &self.stances,
+            taken: &self.taken,
         }
     }
 
@@ -226,9 +232,11 @@ impl Memory for HeapMemory {
             maxima: &mut self.maxima,
             outlooks: &mut self.outlooks,
             ranks: &mut self.ranks,
+            standpoints: &mut self.standpoints,
             embeddings: &mut self.embeddings,
             sketches: &mut self.sketches,
             stances: &mut self.stances,
+            taken: &mut self.taken,
             form: &mut self.form,
             scratch: &mut self.scratch,
         }

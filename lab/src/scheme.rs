@@ -7,13 +7,14 @@ use vantage_core::Objective;
 use vantage_core::planner::{Plan, Scheme};
 
 /// Every name, with what it stands for.
-pub const SCHEMES: [(&str, &str); 23] = [
+pub const SCHEMES: [(&str, &str); 24] = [
     ("soarnet", "the ensemble as a network predicts it from photos"),
     ("soarnet-c", "surface coverage as a network predicts it from photos"),
     ("soarnet-q", "geometric complexity as a network predicts it from photos"),
     ("soarnet-d", "ray diversity as a network predicts it from photos"),
     ("soarnet-t", "textural complexity as a network predicts it from photos"),
     ("soarnet-sum", "the sum of the four gains as a network predicts them from photos"),
+    ("soarnet-support", "angular support of the hull that a network sees in the photos"),
     ("soarnet-poses", "the ensemble as a network predicts it from poses alone"),
     ("soarnet-poses-c", "surface coverage as a network predicts it from poses alone"),
     ("soarnet-poses-q", "geometric complexity as a network predicts it from poses alone"),
@@ -77,7 +78,7 @@ pub fn oracle(objective: Objective) -> &'static str {
 
 /// Whether a scheme looks for support, which must be prepared.
 pub fn needs_support(name: &str) -> bool {
-    plan(name, 1, 0).is_some_and(|plan| plan.scheme() == Scheme::Support)
+    network(name).is_none() && plan(name, 1, 0).is_some_and(|plan| plan.scheme() == Scheme::Support)
 }
 
 /// Whether a scheme can choose by poses alone: without a mesh and without a network.
@@ -125,7 +126,9 @@ pub fn network(name: &str) -> Option<(Network, &str)> {
     [Network::Poses, Network::Soarnet].into_iter().find_map(|network| {
         let rest = name.strip_prefix(network.name())?;
         let plan = if rest.is_empty() { "e" } else { rest.strip_prefix('-')? };
-        matches!(plan, "e" | "c" | "q" | "d" | "t" | "sum").then_some((network, plan))
+        let known = matches!(plan, "e" | "c" | "q" | "d" | "t" | "sum")
+            || (plan == "support" && network == Network::Soarnet);
+        known.then_some((network, plan))
     })
 }
 
@@ -173,6 +176,7 @@ mod tests {
         );
         assert_eq!(network("soarnet-q@1"), Some((Network::Soarnet, "q")));
         assert!(plan("e@1.1", 5, 0).is_none() && plan("e@", 5, 0).is_none());
+        assert!(!needs_support("soarnet-support") && network("soarnet-poses-support").is_none());
         assert!(needs_support("support@0.3") && !needs_support("fps") && !needs_support("best"));
         assert!(needs_poses_only("fps@0.5") && !needs_poses_only("e"));
         assert!(unknown("best").contains("pc-fps"));

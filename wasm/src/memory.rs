@@ -2,7 +2,7 @@
 
 use vantage_core::planner::{Candidate, Memory, View};
 use vantage_core::soarnet::{
-    self, Form, Lists, ListsMut, Model, OUTLOOK, SKETCH, Scratch, features,
+    self, Form, Lists, ListsMut, Model, OUTLOOK, SKETCH, Scratch, Standpoint, features,
 };
 
 use crate::Refusal;
@@ -80,9 +80,11 @@ pub struct NetworkMemory {
     maxima: Vec<i8>,
     outlooks: Vec<[i32; OUTLOOK]>,
     ranks: Vec<[i32; 4]>,
+    standpoints: Vec<Standpoint>,
     embeddings: Vec<i8>,
     sketches: Vec<[i8; SKETCH]>,
     stances: Vec<features::Stance>,
+    taken: Vec<Standpoint>,
     form: Box<Form>,
     scratch: Box<Scratch>,
 }
@@ -98,9 +100,11 @@ impl NetworkMemory {
             maxima: filled(candidates * sizes.width, 0)?,
             outlooks: filled(candidates, [0; OUTLOOK])?,
             ranks: filled(candidates, [0; 4])?,
+            standpoints: filled(candidates, Standpoint::NONE)?,
             embeddings: filled(views * sizes.embedding, 0)?,
             sketches: filled(if sizes.embedding > 0 { views } else { 0 }, [0; SKETCH])?,
             stances: filled(views, features::Stance::default())?,
+            taken: filled(views, Standpoint::NONE)?,
             form: Box::default(),
             scratch: Box::default(),
         })
@@ -114,9 +118,11 @@ impl soarnet::Memory for NetworkMemory {
             maxima: &self.maxima,
             outlooks: &self.outlooks,
             ranks: &self.ranks,
+            standpoints: &self.standpoints,
             embeddings: &self.embeddings,
             sketches: &self.sketches,
             stances: &self.stances,
+            taken: &self.taken,
         }
     }
 
@@ -127,9 +133,11 @@ impl soarnet::Memory for NetworkMemory {
             maxima: &mut self.maxima,
             outlooks: &mut self.outlooks,
             ranks: &mut self.ranks,
+            standpoints: &mut self.standpoints,
             embeddings: &mut self.embeddings,
             sketches: &mut self.sketches,
             stances: &mut self.stances,
+            taken: &mut self.taken,
             form: &mut self.form,
             scratch: &mut self.scratch,
         }

@@ -14,7 +14,7 @@ export type Objective = "coverage" | "geometry" | "diversity" | "texture";
 
 /** How the next view is chosen. Those of the first line need a model; the others look at poses. */
 export type Scheme =
-  | "ensemble" | "sum" | Objective
+  | "support" | "ensemble" | "sum" | Objective
   | "farthest-point" | "pseudo-coverage" | "random";
 
 /** A whole plan. Without `seed` it is 0. `movementCost` in [0, 1] is the share of a gain that half a
@@ -36,8 +36,8 @@ pub fn read(plan: &JsValue, centre: Vec3) -> Result<Plan, Refusal> {
     let name = input::text(plan, "scheme")?;
     let mut read = of_scheme(&name, budget).ok_or_else(|| {
         Refusal::bad_argument(format!(
-            "there is no scheme `{name}`; there are ensemble, sum, coverage, geometry, diversity, \
-             texture, farthest-point, pseudo-coverage and random"
+            "there is no scheme `{name}`; there are support, ensemble, sum, coverage, geometry, \
+             diversity, texture, farthest-point, pseudo-coverage and random"
         ))
     })?;
     if let Some(seed) = input::optional_number(plan, "seed")? {
@@ -74,6 +74,7 @@ pub fn read(plan: &JsValue, centre: Vec3) -> Result<Plan, Refusal> {
 
 fn of_scheme(name: &str, budget: usize) -> Option<Plan> {
     Some(match name {
+        "support" => Plan::support(budget),
         "ensemble" => Plan::ensemble(budget),
         "sum" => Plan::sum(budget),
         "farthest-point" => Plan::farthest_point(budget),
@@ -99,6 +100,7 @@ mod tests {
     #[test]
     fn scheme_names_give_their_plans() {
         for (name, plan, needs) in [
+            ("support", Plan::support(9), true),
             ("ensemble", Plan::ensemble(9), true),
             ("sum", Plan::sum(9), true),
             ("geometry", Plan::single(Objective::Geometry, 9), true),

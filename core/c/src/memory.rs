@@ -8,7 +8,7 @@ use core::slice;
 use vantage_core::planner::{self, Candidate, View};
 use vantage_core::soarnet::features::{Direction, Stance};
 use vantage_core::soarnet::{
-    Dimensions, Form, Lists, ListsMut, Memory, OUTLOOK, RANKS, SKETCH, Scratch,
+    Dimensions, Form, Lists, ListsMut, Memory, OUTLOOK, RANKS, SKETCH, Scratch, Standpoint,
 };
 
 use crate::status::Status;
@@ -169,9 +169,11 @@ impl Room {
             padded::<i8>(candidates.checked_mul(width)?),
             padded::<[i32; OUTLOOK]>(candidates),
             padded::<[i32; RANKS]>(candidates),
+            padded::<Standpoint>(candidates),
             padded::<i8>(views.checked_mul(embedding)?),
             padded::<[i8; SKETCH]>(self.sketches()),
             padded::<Stance>(views),
+            padded::<Standpoint>(views),
             padded::<Form>(1),
             padded::<Scratch>(1),
         ];
@@ -208,9 +210,11 @@ pub fn deal(block: &mut Block, room: Room) -> Result<(SessionLists, NetworkLists
         maxima: block.filled(values(candidates, width)?, 0)?,
         outlooks: block.filled(candidates, [0; OUTLOOK])?,
         ranks: block.filled(candidates, [0; RANKS])?,
+        standpoints: block.filled(candidates, Standpoint::NONE)?,
         embeddings: block.filled(values(views, embedding)?, 0)?,
         sketches: block.filled(room.sketches(), [0; SKETCH])?,
         stances: block.filled(views, Stance::default())?,
+        taken: block.filled(views, Standpoint::NONE)?,
         form: block.place()?.write(Form::new()),
         scratch: block.place()?.write(Scratch::new()),
     };
@@ -264,8 +268,18 @@ impl planner::Memory for SessionLists {
 
 impl Memory for NetworkLists {
     fn lists(&self) -> Lists<'_> {
-        let ListsMut { sums, maxima, outlooks, ranks, embeddings, sketches, stances, .. } = &self.0;
-        Lists { sums, maxima, outlooks, ranks, embeddings, sketches, stances }
+        let lists = &self.0;
+        Lists {
+            sums: lists.sums,
+            maxima: lists.maxima,
+            outlooks: lists.outlooks,
+            ranks: lists.ranks,
+            standpoints: lists.standpoints,
+            embeddings: lists.embeddings,
+            sketches: lists.sketches,
+            stances: lists.stances,
+            taken: lists.taken,
+        }
     }
 
     fn lists_mut(&mut self) -> ListsMut<'_> {
@@ -276,9 +290,11 @@ impl Memory for NetworkLists {
             maxima: lists.maxima,
             outlooks: lists.outlooks,
             ranks: lists.ranks,
+            standpoints: lists.standpoints,
             embeddings: lists.embeddings,
             sketches: lists.sketches,
             stances: lists.stances,
+            taken: lists.taken,
             form: lists.form,
             scratch: lists.scratch,
         }

@@ -27,6 +27,8 @@ pub enum Scheme {
     FarthestPoint = 6,
     /// By chance; looks at no photo.
     Random = 7,
+    /// Most support for later views, well away from all views so far. Needs a model that looks at photos.
+    Support = 8,
 }
 
 /// How pixels lie in memory: `format` of a photo.
@@ -199,6 +201,7 @@ impl Plan {
         const TEXTURE: u32 = Scheme::Texture as u32;
         const FARTHEST_POINT: u32 = Scheme::FarthestPoint as u32;
         const RANDOM: u32 = Scheme::Random as u32;
+        const SUPPORT: u32 = Scheme::Support as u32;
         let budget = self.budget_views as usize;
         let plan = match self.scheme {
             ENSEMBLE => CorePlan::ensemble(budget),
@@ -209,6 +212,7 @@ impl Plan {
             TEXTURE => CorePlan::single(Objective::Texture, budget),
             FARTHEST_POINT => CorePlan::farthest_point(budget),
             RANDOM => CorePlan::random(budget),
+            SUPPORT => CorePlan::support(budget),
             _ => return Err(Status::BadNumber),
         };
         let plan = plan

@@ -20,7 +20,8 @@ pub enum Scheme {
     Ensemble(Phase),
     /// The largest sum of the four gains, each brought to [0, 1] over the candidates.
     Sum,
-    /// The candidate that gains most [support](crate::objectives::SupportLedger).
+    /// The candidate that gains most [support](crate::objectives::SupportLedger); where none gains any,
+    /// the farthest.
     Support,
 }
 

@@ -259,7 +259,11 @@ impl<S: Scorer, M: Memory> Session<S, M> {
                 }
                 Scheme::Support => {
                     let choice = choice::by_support(&self.scorer, candidates, movement, floor);
-                    (choice, None, Reason::Support)
+                    match choice.filter(|choice| choice.gain > 0.0) {
+                        // A scorer that does not know support, or an object that no photo shows.
+                        None => (choice::by_distance(candidates, movement), None, Reason::Farthest),
+                        some => (some, None, Reason::Support),
+                    }
                 }
             }
         };

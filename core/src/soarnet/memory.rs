@@ -4,6 +4,7 @@ use super::encoder::Scratch;
 use super::features::{Direction, Stance};
 use super::image::SKETCH;
 use super::outlook::{Form, OUTLOOK};
+use super::support::Standpoint;
 
 /// What is kept, to read. `H` and `E` are the model's; lists may be longer than what is in use.
 #[derive(Clone, Copy, Debug)]
@@ -16,12 +17,16 @@ pub struct Lists<'a> {
     pub outlooks: &'a [[i32; OUTLOOK]],
     /// Rank scores, shape (candidates, 4).
     pub ranks: &'a [[i32; 4]],
+    /// What candidates are to later views, shape (candidates).
+    pub standpoints: &'a [Standpoint],
     /// Embeddings of the photos, shape (views, E).
     pub embeddings: &'a [i8],
     /// Sketches of the photos, shape (views, 320).
     pub sketches: &'a [[i8; SKETCH]],
     /// Where the photos were taken, shape (views).
     pub stances: &'a [Stance],
+    /// What the photos are to later views, shape (views).
+    pub taken: &'a [Standpoint],
 }
 
 /// What is kept, to change. Shapes as in [`Lists`].
@@ -37,12 +42,16 @@ pub struct ListsMut<'a> {
     pub outlooks: &'a mut [[i32; OUTLOOK]],
     /// Rank scores, shape (candidates, 4).
     pub ranks: &'a mut [[i32; 4]],
+    /// What candidates are to later views, shape (candidates).
+    pub standpoints: &'a mut [Standpoint],
     /// Embeddings of the photos, shape (views, E).
     pub embeddings: &'a mut [i8],
     /// Sketches of the photos, shape (views, 320).
     pub sketches: &'a mut [[i8; SKETCH]],
     /// Where the photos were taken, shape (views).
     pub stances: &'a mut [Stance],
+    /// What the photos are to later views, shape (views).
+    pub taken: &'a mut [Standpoint],
     /// The visual hull.
     pub form: &'a mut Form,
     /// Where photos are encoded.
@@ -72,8 +81,8 @@ impl<M: Memory + ?Sized> Memory for &mut M {
 /// Room for a fixed number of candidates and views of a network with tokens of `WIDTH` and embeddings
 /// of `EMBEDDING`, without a heap.
 ///
-/// A smaller network fits too. 128 candidates and 64 views of the default sizes take 148 KiB: 33 to
-/// encode photos in, 43 for the visual hull, 29 for the views and 43 for the candidates.
+/// A smaller network fits too. 128 candidates and 64 views of the default sizes take 165 KiB: 33 to
+/// encode photos in, 43 for the visual hull, 35 for the views and 54 for the candidates.
 #[derive(Clone, Debug)]
 pub struct Fixed<
     const CANDIDATES: usize,
@@ -86,9 +95,11 @@ pub struct Fixed<
     maxima: [[i8; WIDTH]; CANDIDATES],
     outlooks: [[i32; OUTLOOK]; CANDIDATES],
     ranks: [[i32; 4]; CANDIDATES],
+    standpoints: [Standpoint; CANDIDATES],
     embeddings: [[i8; EMBEDDING]; VIEWS],
     sketches: [[i8; SKETCH]; VIEWS],
     stances: [Stance; VIEWS],
+    taken: [Standpoint; VIEWS],
     form: Form,
     scratch: Scratch,
 }
@@ -104,9 +115,11 @@ impl<const CANDIDATES: usize, const VIEWS: usize, const WIDTH: usize, const EMBE
             maxima: [[0; WIDTH]; CANDIDATES],
             outlooks: [[0; OUTLOOK]; CANDIDATES],
             ranks: [[0; 4]; CANDIDATES],
+            standpoints: [Standpoint::NONE; CANDIDATES],
             embeddings: [[0; EMBEDDING]; VIEWS],
             sketches: [[0; SKETCH]; VIEWS],
             stances: [Stance::NONE; VIEWS],
+            taken: [Standpoint::NONE; VIEWS],
             form: Form::new(),
             scratch: Scratch::new(),
         }
@@ -130,9 +143,11 @@ impl<const CANDIDATES: usize, const VIEWS: usize, const WIDTH: usize, const EMBE
             maxima: self.maxima.as_flattened(),
             outlooks: &self.outlooks,
             ranks: &self.ranks,
+            standpoints: &self.standpoints,
             embeddings: self.embeddings.as_flattened(),
             sketches: &self.sketches,
             stances: &self.stances,
+            taken: &self.taken,
         }
     }
 
@@ -143,9 +158,11 @@ impl<const CANDIDATES: usize, const VIEWS: usize, const WIDTH: usize, const EMBE
             maxima: self.maxima.as_flattened_mut(),
             outlooks: &mut self.outlooks,
             ranks: &mut self.ranks,
+            standpoints: &mut self.standpoints,
             embeddings: self.embeddings.as_flattened_mut(),
             sketches: &mut self.sketches,
             stances: &mut self.stances,
+            taken: &mut self.taken,
             form: &mut self.form,
             scratch: &mut self.scratch,
         }

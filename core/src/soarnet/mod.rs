@@ -12,6 +12,7 @@
 //! model             the file of a network, read in place
 //! encoder, heads    the layers
 //! hull, outlook     what outlines tell: the object's hull, and what a candidate would see of it
+//! support           the same: what a candidate would be to later views
 //! SoarNet           the scorer for a session; its memory is the caller's
 //! ```
 //!
@@ -63,6 +64,7 @@ mod memory;
 mod model;
 mod outlook;
 mod scorer;
+mod support;
 
 pub use encoder::{Impression, Scratch};
 pub use image::{
@@ -74,5 +76,6 @@ pub use model::{
     Aligned, Dimensions, EncoderParts, Fault, Layer, Model, ModelError, Network, RANKS, STATE,
     Stage, VERSION, WIDEST, WriteError,
 };
-pub use outlook::{Form, OUTLOOK};
+pub use outlook::{Eye, Form, OUTLOOK};
 pub use scorer::{Photo, PhotoError, SetupError, SoarNet};
+pub use support::{Seen, Standpoint};

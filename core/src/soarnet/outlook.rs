@@ -34,6 +34,7 @@ use glam::Vec3;
 use super::features::{Direction, Stance};
 use super::hull::{Bounds, Camera, Hull};
 use super::image::{COVER, DETAIL};
+use super::support::{self, Seen, Standpoint};
 use crate::math;
 use crate::objectives::inlier_weight;
 
@@ -42,24 +43,24 @@ pub const OUTLOOK: usize = 8;
 
 /// Spots wanted, and at most kept: how many a lattice hits is not quite certain.
 const WANTED: u64 = 384;
-const SPOTS: usize = 432;
+pub(super) const SPOTS: usize = 432;
 
 /// The weight of a sight that is whole: e = 1.
 const WHOLE: i32 = 256;
 
 /// A place on the hull's surface, and what is known of it.
 #[derive(Clone, Copy, Debug, Default)]
-struct Spot {
+pub(super) struct Spot {
     centre: Vec3,
     normal: Vec3,
-    area: i32,          // units of 2^-8 voxel sides squared
-    best: i32,          // max of e, units of 2^-8
-    sum: i32,           // of e, units of 2^-8
-    detail: i32,        // sum of cos · detail, units of 2^-8 · 1/127
-    covered: i32,       // sum of cos · cover, likewise
-    rays: Rays,         // of all views that see it
-    discount: [i32; 2], // 2^-s and 4^-s, units of 2^-8
-    texture: i32,       // t, units of 2^-8
+    pub(super) area: i32, // units of 2^-8 voxel sides squared
+    best: i32,            // max of e, units of 2^-8
+    sum: i32,             // of e, units of 2^-8
+    detail: i32,          // sum of cos · detail, units of 2^-8 · 1/127
+    covered: i32,         // sum of cos · cover, likewise
+    rays: Rays,           // of all views that see it
+    discount: [i32; 2],   // 2^-s and 4^-s, units of 2^-8
+    texture: i32,         // t, units of 2^-8
 }
 
 /// The moments of a spot's rays to cameras, in whole numbers.
@@ -123,6 +124,22 @@ fn sight(hull: &Hull, bounds: &Bounds, spot: &Spot, eye: Vec3) -> Option<(Vec3, 
     open.then(|| (direction, cosine, fixed(2.0 * cosine, WHOLE as f32).min(WHOLE)))
 }
 
+/// Notes that a spot is seen, if its sight has half a weight at least.
+fn note(seen: &mut Seen, spot: usize, weight: i32) {
+    if let Some(word) = seen.get_mut(spot / 32).filter(|_| 2 * weight >= WHOLE) {
+        *word |= 1 << (spot % 32);
+    }
+}
+
+/// Who looks at spots: a view or a candidate, by its index.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Eye {
+    /// A view so far.
+    View(usize),
+    /// A candidate.
+    Candidate(usize),
+}
+
 /// The visual hull and the spots on it: 43 KiB. What is in it before [`begin`](Self::begin) does not
 /// matter.
 #[derive(Clone, Debug)]
@@ -154,7 +171,8 @@ impl Form {
 
     /// What candidates would see, as the network is told it: [`OUTLOOK`] numbers each, of mean 0 and
     /// spread 127 / 4 over the candidates, or less where they hardly differ, in -127..=127. `views` are
-    /// those taken in with their sketches, in any order, at most 256.
+    /// those taken in with their sketches, in any order, at most 256. `saw` is told which spots views
+    /// and candidates see.
     ///
     /// Shapes: `candidates` and `outlooks` (n), a sketch (320).
     pub fn outlooks<'a>(
@@ -162,16 +180,28 @@ impl Form {
         views: impl Iterator<Item = (&'a Stance, &'a [i8])>,
         candidates: &[Direction],
         outlooks: &mut [[i32; OUTLOOK]],
+        mut saw: impl FnMut(Eye, &Seen),
     ) {
-        self.survey(views.filter_map(|(stance, sketch)| Some((Camera::try_new(stance)?, sketch))));
-        for (outlook, &candidate) in outlooks.iter_mut().zip(candidates) {
-            *outlook = self.outlook(candidate);
+        self.survey(views, &mut saw);
+        for (index, (outlook, &candidate)) in outlooks.iter_mut().zip(candidates).enumerate() {
+            let mut seen = [0; _];
+            *outlook = self.outlook(candidate, &mut seen);
+            saw(Eye::Candidate(index), &seen);
         }
         standardise(outlooks);
     }
 
+    /// Tells every candidate what a photo from there would add to support; see [`support`].
+    pub(super) fn support(&self, views: &[Standpoint], candidates: &mut [Standpoint]) {
+        support::gains(&self.spots, views, candidates);
+    }
+
     /// Spreads the spots anew and tells them of all views.
-    fn survey<'a>(&mut self, views: impl Iterator<Item = (Camera, &'a [i8])>) {
+    fn survey<'a>(
+        &mut self,
+        views: impl Iterator<Item = (&'a Stance, &'a [i8])>,
+        mut saw: impl FnMut(Eye, &Seen),
+    ) {
         // The lattice of least discrepancy in three dimensions (Roberts, 2018): a voxel that comes or
         // goes leaves the other spots where they are.
         let share = (WANTED << 32).checked_div(self.hull.surface_count().into()).unwrap_or(0);
@@ -189,13 +219,17 @@ impl Form {
                 break;
             }
         }
-        for (camera, sketch) in views {
-            for spot in &mut self.spots {
+        for (view, (stance, sketch)) in views.enumerate() {
+            let mut seen = [0; _];
+            let camera = Camera::try_new(stance);
+            for (place, spot) in self.spots.iter_mut().enumerate() {
+                let Some(camera) = &camera else { break };
                 let Some((direction, cosine, weight)) =
                     sight(&self.hull, &self.bounds, spot, camera.eye)
                 else {
                     continue;
                 };
+                note(&mut seen, place, weight);
                 spot.best = spot.best.max(weight);
                 spot.sum += weight;
                 spot.rays.add(direction, cosine);
@@ -204,6 +238,7 @@ impl Form {
                 spot.detail += weight * detail;
                 spot.covered += weight * cover;
             }
+            saw(Eye::View(view), &seen);
         }
         self.conclude();
     }
@@ -225,19 +260,20 @@ impl Form {
         }
     }
 
-    /// The outlook of a candidate, units of 2^-20; see the [module](self).
-    fn outlook(&self, candidate: Direction) -> [i32; OUTLOOK] {
+    /// The outlook of a candidate, units of 2^-20; see the [module](self). Notes the spots it sees.
+    fn outlook(&self, candidate: Direction, seen: &mut Seen) -> [i32; OUTLOOK] {
         let eye = Camera::eye_in(candidate);
         let mut sums = [0i64; OUTLOOK];
         let mut facing = 0i64; // sum of a · cos, units of 2^-16
         let mut all = 0i64; // sum of a, units of 2^-8
-        for spot in &self.spots {
+        for (place, spot) in self.spots.iter().enumerate() {
             let area = i64::from(spot.area);
             all += area;
             let Some((direction, cosine, weight)) = sight(&self.hull, &self.bounds, spot, eye)
             else {
                 continue;
             };
+            note(seen, place, weight);
             let mut rays = spot.rays;
             rays.add(direction, cosine);
             let [half, quarter] = spot.discount.map(i64::from);
@@ -370,16 +406,19 @@ mod tests {
     /// With all spots told of all photos.
     fn surveyed(photos: &[Photo]) -> Form {
         let mut form = carved(photos);
-        let cameras = views(photos).filter_map(|(s, sketch)| Some((Camera::try_new(s)?, sketch)));
-        form.survey(cameras);
+        form.survey(views(photos), |_, _| ());
         form
     }
 
     /// As the network is told them.
     fn told(photos: &[Photo], candidates: &[Direction]) -> Vec<[i32; OUTLOOK]> {
         let mut outlooks = vec![[7; OUTLOOK]; candidates.len()];
-        carved(photos).outlooks(views(photos), candidates, &mut outlooks);
+        carved(photos).outlooks(views(photos), candidates, &mut outlooks, |_, _| ());
         outlooks
+    }
+
+    fn outlook(form: &Form, candidate: Direction) -> [i32; OUTLOOK] {
+        form.outlook(candidate, &mut [0; _])
     }
 
     fn directions(count: usize) -> Vec<Direction> {
@@ -406,7 +445,7 @@ mod tests {
                 let ball = Ball::new(0.02 * views as f64 - 0.4, 0.1, 0.0, radius);
                 let mut form = Form { hull: hull_of(&[ball], views % 7 + 1), ..Form::new() };
                 let voxels = form.hull.surface_count() as usize;
-                form.survey(core::iter::empty());
+                form.survey(core::iter::empty(), |_, _| ());
                 let spots = form.spots.len();
                 if voxels <= 384 {
                     small += 1;
@@ -427,8 +466,8 @@ mod tests {
         let mut form = carved(&[]);
         for view in [0, 7, 31, 59] {
             let camera = Camera::try_new(&all[view]).unwrap();
-            form.survey(core::iter::once((camera, sketch.as_slice())));
-            let gains: Vec<_> = all.iter().map(|other| form.outlook(other.direction)).collect();
+            form.survey(core::iter::once((&all[view], sketch.as_slice())), |_, _| ());
+            let gains: Vec<_> = all.iter().map(|other| outlook(&form, other.direction)).collect();
             for number in [1, 2] {
                 assert_eq!(gains[view][number], 0);
                 let gain = |other: usize| gains[other][number];
@@ -455,10 +494,11 @@ mod tests {
             Stance::try_new(&pose, Vec3::ZERO).unwrap()
         });
         let sketch = [127; SKETCH];
-        let cameras = [above, below].map(|stance| Camera::try_new(&stance).unwrap());
+        let stances = [above, below];
+        let cameras = stances.map(|stance| Camera::try_new(&stance).unwrap());
         for side in 0..2 {
             let mut form = Form { hull: sheet(), ..Form::new() };
-            form.survey(core::iter::once((cameras[side], sketch.as_slice())));
+            form.survey(core::iter::once((&stances[side], sketch.as_slice())), |_, _| ());
             let thin = form.spots.iter().filter(|spot| spot.normal == Vec3::ZERO);
             assert_eq!(thin.clone().count(), 12 * 12);
             for spot in thin {
@@ -531,7 +571,7 @@ mod tests {
             }
             sums[5] /= facing;
             sums[6] /= facing;
-            let got = form.outlook(candidate);
+            let got = outlook(&form, candidate);
             for (number, (got, expected)) in got.into_iter().zip(sums).enumerate() {
                 let got = f64::from(got) / 1_048_576.0;
                 assert!((got - expected).abs() < 3e-3, "{number}: {got} instead of {expected}");
@@ -556,7 +596,7 @@ mod tests {
         assert!(right.iter().all(|(_, texture)| *texture < 230), "{right:?}");
         assert!(left.len() > 8 && right.len() > 8, "{} {}", left.len(), right.len());
         let [left, right] = [-1.0, 1.0]
-            .map(|x| form.outlook(Direction::try_from_vector(Vec3::new(x, -1.0, 0.0)).unwrap()));
+            .map(|x| outlook(&form, Direction::try_from_vector(Vec3::new(x, -1.0, 0.0)).unwrap()));
         for (plain, fine) in [(3, 4), (5, 6)] {
             let share = |outlook: [i32; OUTLOOK]| outlook[fine] as f32 / outlook[plain] as f32;
             assert!(share(left) > 1.05 * share(right), "{left:?} {right:?}");
@@ -582,7 +622,7 @@ mod tests {
             let photos = photos_of(&BALLS, &stances(11)[..count], |x, y| (9 * x + 7 * y) as i8);
             let outlooks = told(&photos, &candidates);
             let form = surveyed(&photos);
-            let before: Vec<_> = candidates.iter().map(|&to| form.outlook(to)).collect();
+            let before: Vec<_> = candidates.iter().map(|&to| outlook(&form, to)).collect();
             for number in 0..OUTLOOK {
                 let (mean, spread) = mean_and_spread(&outlooks, number);
                 assert!(outlooks.iter().all(|outlook| outlook[number].abs() <= 127));

@@ -9,7 +9,8 @@ use super::heads::Context;
 use super::image::{Image, ImageError, SKETCH, Window};
 use super::memory::{ListsMut, Memory};
 use super::model::{Model, RANKS, STATE};
-use super::outlook::OUTLOOK;
+use super::outlook::{Eye, OUTLOOK};
+use super::support::Standpoint;
 use crate::objectives::{Objective, Scores};
 #[cfg(feature = "serde")]
 use crate::planner::Persist;
@@ -127,37 +128,58 @@ impl<'m, M: Memory> SoarNet<'m, M> {
     /// A scorer over candidates, in the session's order, around an object's `centre` (world, metres).
     pub fn try_new(
         model: Model<'m>,
-        mut memory: M,
+        memory: M,
         centre: Vec3,
         candidates: impl IntoIterator<Item = Pose>,
     ) -> Result<Self, SetupError> {
-        let width = model.dimensions().width.max(1);
-        let ListsMut { directions, sums, maxima, outlooks, ranks, .. } = memory.lists_mut();
-        let capacity = directions.len().min(ranks.len()).min(outlooks.len());
-        let capacity = capacity.min(sums.len() / width).min(maxima.len() / width);
-        let mut count = 0;
-        for (index, pose) in candidates.into_iter().enumerate() {
-            let direction = Direction::try_from_vector(pose.position() - centre)
-                .ok_or(SetupError::NoDirection { index })?;
-            match directions.get_mut(index) {
-                Some(place) if index < capacity => *place = direction,
-                _ => return Err(SetupError::TooManyCandidates { capacity }),
-            }
-            count = index + 1;
+        let mut scorer = Self { model, memory, centre, candidates: 0, views: 0, state: [0; STATE] };
+        for pose in candidates {
+            scorer.add(&pose)?;
         }
-        let mut scorer =
-            Self { model, memory, centre, candidates: count, views: 0, state: [0; STATE] };
-        scorer.forget();
+        scorer.begin();
         Ok(scorer)
+    }
+
+    /// Adds a candidate.
+    fn add(&mut self, pose: &Pose) -> Result<(), SetupError> {
+        let index = self.candidates;
+        let direction = Direction::try_from_vector(pose.position() - self.centre)
+            .ok_or(SetupError::NoDirection { index })?;
+        let width = self.model.dimensions().width.max(1);
+        let ListsMut { directions, sums, maxima, outlooks, ranks, standpoints, .. } =
+            self.memory.lists_mut();
+        let capacity = directions.len().min(ranks.len()).min(outlooks.len());
+        let capacity = capacity.min(standpoints.len());
+        let capacity = capacity.min(sums.len() / width).min(maxima.len() / width);
+        match directions.get_mut(index) {
+            Some(place) if index < capacity => *place = direction,
+            _ => return Err(SetupError::TooManyCandidates { capacity }),
+        }
+        self.candidates += 1;
+        Ok(())
+    }
+
+    /// All candidates are known.
+    fn begin(&mut self) {
+        let ListsMut { directions, standpoints, .. } = self.memory.lists_mut();
+        let directions = directions.get(..self.candidates).unwrap_or_default();
+        for (standpoint, &direction) in standpoints.iter_mut().zip(directions) {
+            *standpoint = Standpoint::new(direction, directions);
+        }
+        self.forget();
     }
 
     /// As before the first photo.
     fn forget(&mut self) {
-        let ListsMut { sums, maxima, outlooks, ranks, form, .. } = self.memory.lists_mut();
+        let ListsMut { sums, maxima, outlooks, ranks, standpoints, form, .. } =
+            self.memory.lists_mut();
         sums.fill(0);
         maxima.fill(i8::MIN);
         outlooks.fill([0; OUTLOOK]);
         ranks.fill([0; RANKS]);
+        for standpoint in standpoints {
+            standpoint.gain = 0.0;
+        }
         form.begin();
         self.views = 0;
         self.state = [0; STATE];
@@ -170,7 +192,7 @@ impl<'m, M: Memory> SoarNet<'m, M> {
             Some(embeddings) => embeddings.min(lists.sketches.len()),
             None => MOST_VIEWS,
         };
-        lists.stances.len().min(most).min(MOST_VIEWS)
+        lists.stances.len().min(lists.taken.len()).min(most).min(MOST_VIEWS)
     }
 
     /// The network.
@@ -220,16 +242,19 @@ impl<'m, M: Memory> SoarNet<'m, M> {
     fn take_in_last(&mut self) {
         let model = &self.model;
         let (width, size) = (model.dimensions().width.max(1), model.dimensions().embedding);
-        let ListsMut { directions, sums, maxima, embeddings, sketches, stances, form, .. } =
-            self.memory.lists_mut();
+        let ListsMut {
+            directions, sums, maxima, embeddings, sketches, stances, taken, form, ..
+        } = self.memory.lists_mut();
         let Some(last) = self.views.checked_sub(1) else { return };
-        let Some(stance) = stances.get(last) else { return };
+        let (Some(stance), Some(taken)) = (stances.get(last), taken.get_mut(last)) else { return };
+        let directions = directions.get(..self.candidates).unwrap_or_default();
+        *taken = Standpoint::new(stance.direction, directions);
         let embedding = row(embeddings, last, size).unwrap_or_default();
         if let (Some(sketch), 1..) = (sketches.get(last), size) {
             form.take_in(stance, sketch);
         }
         let view = model.view_sums(embedding, stance);
-        for (candidate, &direction) in directions.iter().enumerate().take(self.candidates) {
+        for (candidate, &direction) in directions.iter().enumerate() {
             let (sums, maxima) =
                 (row_mut(sums, candidate, width), row_mut(maxima, candidate, width));
             if let (Some(sums), Some(maxima)) = (sums, maxima) {
@@ -245,12 +270,34 @@ impl<'m, M: Memory> SoarNet<'m, M> {
         }
         let model = &self.model;
         let width = model.dimensions().width.max(1);
-        let ListsMut { directions, sums, maxima, outlooks, ranks, sketches, stances, form, .. } =
-            self.memory.lists_mut();
+        let ListsMut {
+            directions,
+            sums,
+            maxima,
+            outlooks,
+            ranks,
+            standpoints,
+            sketches,
+            stances,
+            taken,
+            form,
+            ..
+        } = self.memory.lists_mut();
         let outlooks = outlooks.get_mut(..self.candidates).unwrap_or_default();
+        let standpoints = standpoints.get_mut(..self.candidates).unwrap_or_default();
+        let taken = taken.get_mut(..self.views).unwrap_or_default();
         if model.encoder.is_some() {
-            let seen = stances.iter().zip(sketches.iter().map(<[i8; SKETCH]>::as_slice));
-            form.outlooks(seen.take(self.views), directions, outlooks);
+            let views = stances.iter().zip(sketches.iter().map(<[i8; SKETCH]>::as_slice));
+            form.outlooks(views.take(self.views), directions, outlooks, |eye, seen| {
+                let standpoint = match eye {
+                    Eye::View(view) => taken.get_mut(view),
+                    Eye::Candidate(candidate) => standpoints.get_mut(candidate),
+                };
+                if let Some(standpoint) = standpoint {
+                    standpoint.seen = *seen;
+                }
+            });
+            form.support(taken, standpoints);
         }
         let candidates = directions.iter().zip(outlooks).zip(ranks).enumerate();
         let mut context = Context::default();
@@ -325,6 +372,12 @@ impl<M: Memory> Scorer for SoarNet<'_, M> {
         // At most 2^62 + 2^47; one rounding here, one in the division, and both keep the order.
         let fixed = (i64::from(mean) << 16) + i64::from(spread) * i64::from(rank);
         fixed as f32 / (self.views as f32 * (1u64 << 32) as f32)
+    }
+
+    /// What a photo of this candidate would add to L: see `support.rs`. 0 for a network without images.
+    fn support(&self, index: usize, _pose: &Pose) -> f32 {
+        let standpoint = self.memory.lists().standpoints.get(index);
+        standpoint.filter(|_| index < self.candidates).map_or(0.0, |standpoint| standpoint.gain)
     }
 
     /// Cut off to [0, 1].

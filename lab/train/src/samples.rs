@@ -116,7 +116,7 @@ impl Object {
                 if is_asked(step + 1) {
                     let seen = walk.views[..=step].iter().map(|&view| usize::from(view));
                     let seen = seen.map(|view| (&self.stances[view], sketches[view].as_slice()));
-                    form.outlooks(seen, &directions, &mut outlooks);
+                    form.outlooks(seen, &directions, &mut outlooks, |_, _| ());
                 }
                 let bytes = |outlook: [i32; OUTLOOK]| outlook.map(|number| number as i8);
                 walk.outlooks.push(outlooks.into_iter().map(bytes).collect());
@@ -178,7 +178,7 @@ impl Object {
         }
         let candidates: Vec<Direction> = self.stances.iter().map(|s| s.direction).collect();
         let mut outlooks = vec![[0; OUTLOOK]; candidates.len()];
-        form.outlooks(seen(), &candidates, &mut outlooks);
+        form.outlooks(seen(), &candidates, &mut outlooks, |_, _| ());
         outlooks.as_flattened().iter().map(|&number| outlook(number as i8)).collect()
     }
 

@@ -45,7 +45,7 @@ pub fn outlooks(out: &mut dyn Write) -> fmt::Result {
         writeln!(out, "after {}", view + 1)?;
         let seen = views.iter().take(view + 1).map(|(stance, sketch)| (stance, sketch.as_slice()));
         let mut outlooks = [[0; OUTLOOK]; CANDIDATES];
-        form.outlooks(seen, &directions, &mut outlooks);
+        form.outlooks(seen, &directions, &mut outlooks, |_, _| ());
         for (index, outlook) in outlooks.iter().enumerate() {
             writeln!(out, "  {index} {outlook:?}")?;
         }

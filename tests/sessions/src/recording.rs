@@ -55,7 +55,7 @@ impl fmt::Display for RecordingError {
 impl core::error::Error for RecordingError {}
 
 /// How views are chosen: the numbers that the header and the C interface know.
-pub const SCHEMES: [fn(usize) -> Plan; 8] = [
+pub const SCHEMES: [fn(usize) -> Plan; 9] = [
     Plan::ensemble,
     Plan::sum,
     |budget| Plan::single(Objective::Coverage, budget),
@@ -64,6 +64,7 @@ pub const SCHEMES: [fn(usize) -> Plan; 8] = [
     |budget| Plan::single(Objective::Texture, budget),
     Plan::farthest_point,
     Plan::random,
+    Plan::support,
 ];
 
 /// How pixels lie in memory: the numbers that the header and the C interface know.
