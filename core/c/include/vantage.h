@@ -311,6 +311,10 @@ enum vantage_scheme
      By chance; looks at no photo.
      */
     VANTAGE_SCHEME_RANDOM = 7,
+    /*
+     Most support for later views, well away from all views so far. Needs a model that looks at photos.
+     */
+    VANTAGE_SCHEME_SUPPORT = 8,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L

@@ -192,8 +192,13 @@ impl Form {
     }
 
     /// Tells every candidate what a photo from there would add to support; see [`support`].
-    pub(super) fn support(&self, views: &[Standpoint], candidates: &mut [Standpoint]) {
-        support::gains(&self.spots, views, candidates);
+    pub(super) fn support(
+        &self,
+        views: &[Standpoint],
+        directions: &[Direction],
+        candidates: &mut [Standpoint],
+    ) {
+        support::gains(&self.spots, views, directions, candidates);
     }
 
     /// Spreads the spots anew and tells them of all views.

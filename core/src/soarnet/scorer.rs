@@ -162,9 +162,8 @@ impl<'m, M: Memory> SoarNet<'m, M> {
     /// All candidates are known.
     fn begin(&mut self) {
         let ListsMut { directions, standpoints, .. } = self.memory.lists_mut();
-        let directions = directions.get(..self.candidates).unwrap_or_default();
-        for (standpoint, &direction) in standpoints.iter_mut().zip(directions) {
-            *standpoint = Standpoint::new(direction, directions);
+        for (standpoint, &direction) in standpoints.iter_mut().zip(&*directions) {
+            *standpoint = Standpoint::new(direction);
         }
         self.forget();
     }
@@ -248,7 +247,7 @@ impl<'m, M: Memory> SoarNet<'m, M> {
         let Some(last) = self.views.checked_sub(1) else { return };
         let (Some(stance), Some(taken)) = (stances.get(last), taken.get_mut(last)) else { return };
         let directions = directions.get(..self.candidates).unwrap_or_default();
-        *taken = Standpoint::new(stance.direction, directions);
+        *taken = Standpoint::new(stance.direction);
         let embedding = row(embeddings, last, size).unwrap_or_default();
         if let (Some(sketch), 1..) = (sketches.get(last), size) {
             form.take_in(stance, sketch);
@@ -283,6 +282,7 @@ impl<'m, M: Memory> SoarNet<'m, M> {
             form,
             ..
         } = self.memory.lists_mut();
+        let directions = directions.get(..self.candidates).unwrap_or_default();
         let outlooks = outlooks.get_mut(..self.candidates).unwrap_or_default();
         let standpoints = standpoints.get_mut(..self.candidates).unwrap_or_default();
         let taken = taken.get_mut(..self.views).unwrap_or_default();
@@ -297,7 +297,7 @@ impl<'m, M: Memory> SoarNet<'m, M> {
                     standpoint.seen = *seen;
                 }
             });
-            form.support(taken, standpoints);
+            form.support(taken, directions, standpoints);
         }
         let candidates = directions.iter().zip(outlooks).zip(ranks).enumerate();
         let mut context = Context::default();

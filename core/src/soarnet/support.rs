@@ -1,11 +1,11 @@
 //! What a candidate would add to the support of later views, by the outlines alone.
 //!
 //! [`SupportLedger`](crate::objectives::SupportLedger) tells from a mesh whether what later views look
-//! for has been seen from near their direction. Here the hull stands in for the mesh, and candidates
-//! stand in for later views: every so many-th, 32 at most, wants each of the hull's spots that it sees.
-//! Such a pair of a spot and a later view is a *target*. A photo that sees the spot counts
-//! `a = (135° / (φ + 15°))²` for it, `φ` being the angle between photo and later view around the centre,
-//! and with `w` the area of a target's spot
+//! for has been seen from near their direction. Here the hull stands in for the mesh. Later views look
+//! from an even lattice of 48 directions, as far as there are candidates within 30 degrees; each sees the
+//! spots that the candidate nearest to it sees. Such a pair of a spot and a later view is a *target*. A
+//! photo that sees the spot counts `a = (135° / (φ + 15°))²` for it, `φ` being the angle between photo and
+//! later view around the centre, and with `w` the area of a target's spot
 //!
 //! ```text
 //! L = Σ w ln(1 + Σ a) / (ln 82 · Σ w)
@@ -15,12 +15,14 @@
 //! to squarely counts no more, and `φ` is not that at the spot: so a byte for each pair of a photo and a
 //! later view and a bit for each of a photo and a spot tell all, whatever the order of the photos.
 
+use glam::Vec3;
+
 use super::features::Direction;
 use super::outlook::{SPOTS, Spot};
 use crate::math;
 
-/// Later views at most.
-const LATER: usize = 32;
+/// Directions of later views.
+const LATER: usize = 48;
 
 /// A bit for each spot.
 pub type Seen = [u32; SPOTS.div_ceil(32)];
@@ -39,15 +41,18 @@ const NEAR: f32 = 28.0;
 /// ln 82: what a target has where its later view itself has been taken.
 const WHOLE: f32 = 4.406_719;
 
+/// The cosine of 30 degrees: a later view farther than that from any candidate will not be.
+const WITHIN: f32 = 0.866_025_4;
+
 impl Standpoint {
     /// What memory holds before there is one.
     pub const NONE: Self = Self { near: [0; LATER], seen: [0; SPOTS.div_ceil(32)], gain: 0.0 };
 
-    /// In a direction from the centre, among candidates.
-    pub(super) fn new(direction: Direction, candidates: &[Direction]) -> Self {
+    /// In a direction from the centre.
+    pub(super) fn new(direction: Direction) -> Self {
         let mut standpoint = Self::NONE;
-        for (near, later) in standpoint.near.iter_mut().zip(later(candidates)) {
-            let apart = math::acos(direction.vector().dot(later.vector())).to_degrees();
+        for (near, later) in standpoint.near.iter_mut().zip(lattice()) {
+            let apart = math::acos(direction.vector().dot(later)).to_degrees();
             *near = (NEAR * 135.0 / (apart + 15.0) + 0.5) as u8;
         }
         standpoint
@@ -64,44 +69,80 @@ impl Default for Standpoint {
     }
 }
 
-/// Those of the candidates that stand in for later views.
-fn later<T>(candidates: &[T]) -> impl Iterator<Item = &T> {
-    let count = candidates.len().min(LATER);
-    let every = move |place: usize| (place * candidates.len()).checked_div(count);
-    (0..count).filter_map(move |place| candidates.get(every(place)?))
+/// The directions of later views: slices of equal area, the golden angle from one to the next.
+fn lattice() -> impl Iterator<Item = Vec3> {
+    let turn = |(x, y): (f32, f32)| {
+        (-0.737_368_9 * x - 0.675_490_3 * y, 0.675_490_3 * x - 0.737_368_9 * y)
+    };
+    let around = core::iter::successors(Some((1.0, 0.0)), move |&last| Some(turn(last)));
+    around.take(LATER).enumerate().map(|(place, (x, y))| {
+        let z = 1.0 - (2 * place + 1) as f32 / LATER as f32;
+        let width = math::sqrt(1.0 - z * z);
+        Vec3::new(width * x, width * y, z)
+    })
+}
+
+/// A later view that can be: where in the lattice, and the candidate that sees what it sees.
+#[derive(Clone, Copy, Debug)]
+struct Later {
+    place: usize,
+    candidate: usize,
+}
+
+/// The later views among candidates.
+fn later(directions: &[Direction]) -> heapless::Vec<Later, LATER> {
+    let mut list = heapless::Vec::new();
+    for (place, later) in lattice().enumerate() {
+        let mut nearest = (WITHIN, None);
+        for (candidate, direction) in directions.iter().enumerate() {
+            let cosine = direction.vector().dot(later);
+            if cosine > nearest.0 {
+                nearest = (cosine, Some(candidate));
+            }
+        }
+        if let Some(candidate) = nearest.1 {
+            let _ = list.push(Later { place, candidate }); // there is room
+        }
+    }
+    list
 }
 
 /// Tells every candidate what L would gain by a photo from there; 0 where no later view sees a spot.
-pub(super) fn gains(spots: &[Spot], views: &[Standpoint], candidates: &mut [Standpoint]) {
+pub(super) fn gains(
+    spots: &[Spot],
+    views: &[Standpoint],
+    directions: &[Direction],
+    candidates: &mut [Standpoint],
+) {
     for candidate in candidates.iter_mut() {
         candidate.gain = 0.0;
     }
+    let later = later(directions);
     let mut wanted = 0.0;
-    for (place, spot) in spots.iter().enumerate() {
-        // Of the spot's targets, 1 / (1 + Σ a), units of NEAR²; 0 where the later view does not see it.
+    for (index, spot) in spots.iter().enumerate() {
         let mut sums = [0u32; LATER];
-        for view in views.iter().filter(|view| view.sees(place)) {
+        for view in views.iter().filter(|view| view.sees(index)) {
             for (sum, &near) in sums.iter_mut().zip(&view.near) {
                 *sum += u32::from(near).pow(2);
             }
         }
-        let mut open = [0.0; LATER];
-        let mut targets = 0.0;
-        for ((open, later), sum) in open.iter_mut().zip(later(candidates)).zip(sums) {
-            if later.sees(place) {
-                *open = 1.0 / (NEAR * NEAR + sum as f32);
-                targets += 1.0;
+        // The spot's targets: the place of the later view, and 1 / (1 + Σ a), units of NEAR².
+        let mut targets: heapless::Vec<(usize, f32), LATER> = heapless::Vec::new();
+        for &Later { place, candidate } in &later {
+            if candidates.get(candidate).is_some_and(|candidate| candidate.sees(index)) {
+                let sum = sums.get(place).copied().unwrap_or_default();
+                let _ = targets.push((place, 1.0 / (NEAR * NEAR + sum as f32))); // there is room
             }
         }
         let area = spot.area as f32;
-        wanted += area * targets;
-        for candidate in candidates.iter_mut().filter(|candidate| candidate.sees(place)) {
+        wanted += area * targets.len() as f32;
+        for candidate in candidates.iter_mut().filter(|candidate| candidate.sees(index)) {
             // A product of 16 factors of at most 82 is a number.
-            let halves = open.chunks_exact(16).zip(candidate.near.chunks_exact(16));
-            for (open, near) in halves {
+            for targets in targets.chunks(16) {
                 let mut product = 1.0;
-                for (open, &near) in open.iter().zip(near) {
-                    product *= 1.0 + (u32::from(near).pow(2)) as f32 * open;
+                for &(place, open) in targets {
+                    let near = candidate.near.get(place).copied().unwrap_or_default();
+                    product *= 1.0 + u32::from(near).pow(2) as f32 * open;
                 }
                 candidate.gain += area * math::ln(product);
             }
@@ -118,6 +159,7 @@ mod tests {
     use std::vec;
     use std::vec::Vec;
 
+    use glam::DVec3;
     use proptest::prelude::*;
 
     use super::super::features::Stance;
@@ -126,19 +168,20 @@ mod tests {
     use super::super::outlook::{Eye, Form};
     use super::*;
 
-    /// What candidates gain after photos with these sketches.
+    /// What candidates gain after photos, over the hull that these sketches carve.
     fn told(
         sketch: impl Fn(&Stance) -> Vec<i8>,
+        carving: &[Stance],
         photos: &[Stance],
         candidates: &[Direction],
     ) -> Vec<f32> {
         let mut form = Form::new();
         form.begin();
-        let sketches: Vec<_> = photos.iter().map(sketch).collect();
-        for (stance, sketch) in photos.iter().zip(&sketches) {
-            form.take_in(stance, sketch);
+        let sketches: Vec<_> = photos.iter().map(&sketch).collect();
+        for stance in carving {
+            form.take_in(stance, &sketch(stance));
         }
-        let new = |&direction: &Direction| Standpoint::new(direction, candidates);
+        let new = |&direction: &Direction| Standpoint::new(direction);
         let mut views: Vec<_> = photos.iter().map(|stance| new(&stance.direction)).collect();
         let mut standpoints: Vec<_> = candidates.iter().map(new).collect();
         let photos = photos.iter().zip(sketches.iter().map(Vec::as_slice));
@@ -147,7 +190,7 @@ mod tests {
             Eye::View(view) => views[view].seen = *seen,
             Eye::Candidate(candidate) => standpoints[candidate].seen = *seen,
         });
-        form.support(&views, &mut standpoints);
+        form.support(&views, candidates, &mut standpoints);
         standpoints.iter().map(|standpoint| standpoint.gain).collect()
     }
 
@@ -157,12 +200,12 @@ mod tests {
         let candidates: Vec<_> = all.iter().map(|stance| stance.direction).collect();
         for view in [0, 9, 30, 63] {
             let ball = |stance: &Stance| sketch_of(&[Ball::new(0.0, 0.0, 0.0, 0.6)], stance);
-            let gains = told(ball, &all[view..=view], &candidates);
+            let gains = told(ball, &all, &all[view..=view], &candidates);
             let by = |a: &usize, b: &usize| gains[*a].total_cmp(&gains[*b]);
             let most = (0..64).max_by(by).unwrap();
             assert_eq!((0..64).min_by(by), Some(view));
             let cosine = candidates[view].vector().dot(candidates[most].vector());
-            assert!(cosine < -0.2, "{view} {most} {cosine}");
+            assert!(cosine < -0.4, "{view} {most} {cosine}");
             assert!(gains[view] > 0.0 && gains[most] > 2.0 * gains[view] && gains[most] < 1.0);
         }
     }
@@ -176,23 +219,31 @@ mod tests {
             sketch[0] = 127; // in the corner, outside the ball that the hull begins with
             sketch
         };
-        assert_eq!(told(one_cell, &all[..2], &candidates), vec![0.0; 7]);
-        assert_eq!(told(one_cell, &all[..2], &[]), Vec::<f32>::new());
+        assert_eq!(told(one_cell, &all[..2], &all[..2], &candidates), vec![0.0; 7]);
+        assert_eq!(told(one_cell, &all[..2], &all[..2], &[]), Vec::<f32>::new());
     }
 
     #[test]
     fn all_that_can_be_had_is_one() {
-        // A single spot, candidates all in one place: a photo is what each later view wants.
-        let direction = stances(5)[2].direction;
+        // A photo from each later view, of a single spot that all of them see.
+        let on_lattice = |later| Direction::try_from_vector(later).unwrap();
+        let directions: Vec<_> = lattice().map(on_lattice).collect();
+        let see = |&direction| Standpoint { seen: [1; _], ..Standpoint::new(direction) };
+        let mut candidates: Vec<_> = directions.iter().map(see).collect();
         let mut spot = Spot::default();
         spot.area = 77;
-        let mut candidates = [Standpoint::new(direction, &[direction; 40]); 40];
-        for candidate in &mut candidates {
-            candidate.seen[0] = 1;
+        let (mut sum, mut first) = (0.0, 0.0);
+        for taken in 0..LATER {
+            gains(&[spot], &candidates[..taken].to_vec(), &directions, &mut candidates);
+            sum += candidates[taken].gain;
+            first = if taken == 0 { sum } else { first };
         }
-        gains(&[spot], &[], &mut candidates);
-        // But for the rounding of the direction, whose length is not quite one.
-        assert!(candidates.iter().all(|candidate| (candidate.gain - 1.0).abs() < 0.02));
+        // Neighbours support each other too.
+        assert!((1.0..1.3).contains(&sum), "{sum}");
+        // Later views far from all candidates do not count.
+        let alone = &mut [candidates[7]];
+        gains(&[spot], &[], &directions[7..8], alone);
+        assert!(alone[0].gain > 0.5 && first < 0.4, "{} {first}", alone[0].gain);
     }
 
     /// Photos, candidates, and spots with their areas; what is seen is drawn too.
@@ -205,10 +256,10 @@ mod tests {
         (photos, candidates, prop::collection::vec(1..2000i32, 1..60))
     }
 
-    fn standpoints(of: &[(Stance, Seen)], candidates: &[Direction]) -> Vec<Standpoint> {
+    fn standpoints(of: &[(Stance, Seen)]) -> Vec<Standpoint> {
         let standpoint = |(stance, seen): &(Stance, Seen)| Standpoint {
             seen: *seen,
-            ..Standpoint::new(stance.direction, candidates)
+            ..Standpoint::new(stance.direction)
         };
         of.iter().map(standpoint).collect()
     }
@@ -224,22 +275,34 @@ mod tests {
                 spot.area = area;
                 spot
             }).collect();
-            let mut views = standpoints(&photos, &directions);
-            let mut told = standpoints(&candidates, &directions);
-            gains(&spots, &views, &mut told);
+            let mut views = standpoints(&photos);
+            let mut told = standpoints(&candidates);
+            gains(&spots, &views, &directions, &mut told);
 
             let sees = |seen: &Seen, spot: usize| seen[spot / 32] >> (spot % 32) & 1 == 1;
-            let counts = |(from, seen): &(Stance, Seen), spot: usize, to: &Stance| {
-                let cosine = from.direction.vector().as_dvec3().dot(to.direction.vector().as_dvec3());
-                let apart = cosine.clamp(-1.0, 1.0).acos().to_degrees();
+            let cosine = |from: &Stance, to: DVec3| from.direction.vector().as_dvec3().dot(to);
+            let counts = |(from, seen): &(Stance, Seen), spot: usize, to: DVec3| {
+                let apart = cosine(from, to).clamp(-1.0, 1.0).acos().to_degrees();
                 if sees(seen, spot) { (135.0 / (apart + 15.0)).powi(2) } else { 0.0 }
             };
-            let count = candidates.len().min(32);
-            let later: Vec<_> = (0..count).map(|k| &candidates[k * candidates.len() / count]).collect();
+            let nearest = |to: DVec3| {
+                let by = |a: &&(Stance, Seen), b: &&(Stance, Seen)| {
+                    cosine(&a.0, to).total_cmp(&cosine(&b.0, to))
+                };
+                candidates.iter().max_by(by).filter(|one| cosine(&one.0, to) > 0.75f64.sqrt())
+            };
+            // Slices of the sphere, each turned by the golden angle from the one before.
+            let later: Vec<(DVec3, &Seen)> = (0..48).filter_map(|k| {
+                let z = 1.0 - (2.0 * f64::from(k) + 1.0) / 48.0;
+                let around = f64::from(k) * core::f64::consts::PI * (3.0 - 5f64.sqrt());
+                let to = DVec3::new(around.cos(), around.sin(), 0.0) * (1.0 - z * z).sqrt();
+                let to = to + DVec3::Z * z;
+                Some((to, &nearest(to)?.1))
+            }).collect();
             for (one, told) in candidates.iter().zip(&told) {
                 let (mut sum, mut wanted) = (0.0, 0.0);
                 for (spot, &area) in areas.iter().enumerate() {
-                    for (to, _) in later.iter().filter(|(_, seen)| sees(seen, spot)) {
+                    for &(to, _) in later.iter().filter(|(_, seen)| sees(seen, spot)) {
                         let before: f64 = photos.iter().map(|photo| counts(photo, spot, to)).sum();
                         let after = before + counts(one, spot, to);
                         sum += f64::from(area) * ((1.0 + after) / (1.0 + before)).ln();
@@ -253,22 +316,22 @@ mod tests {
             // Neither does the order of photos change a bit.
             let before: Vec<_> = told.iter().map(|standpoint| standpoint.gain).collect();
             views.reverse();
-            gains(&spots, &views, &mut told);
+            gains(&spots, &views, &directions, &mut told);
             prop_assert_eq!(before, told.iter().map(|standpoint| standpoint.gain).collect::<Vec<_>>());
         }
     }
 
     #[test]
     fn as_many_photos_as_there_may_be_do_not_overflow() {
-        let direction = stances(5)[2].direction;
-        let mut standpoint = Standpoint::new(direction, &[direction]);
+        let direction = Direction::try_from_vector(lattice().next().unwrap()).unwrap();
+        let mut standpoint = Standpoint::new(direction);
         standpoint.seen = [u32::MAX; SPOTS.div_ceil(32)];
         let mut spots = [Spot::default(); SPOTS];
         for spot in &mut spots {
             spot.area = i32::from(i16::MAX);
         }
         let mut candidates = [standpoint];
-        gains(&spots, &[standpoint; 256], &mut candidates);
+        gains(&spots, &[standpoint; 256], &[direction], &mut candidates);
         let expected = (1.0 + 81.0 / (1.0 + 256.0 * 81.0f32)).ln() / 82f32.ln();
         assert!((candidates[0].gain / expected - 1.0).abs() < 1e-3);
     }

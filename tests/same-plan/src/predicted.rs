@@ -221,6 +221,8 @@ pub fn plans(out: &mut dyn Write) -> fmt::Result {
         ("ensemble", SIZES, Plan::ensemble(VIEWS)),
         ("ensemble without images", SIZES.without_images(), Plan::ensemble(VIEWS)),
         ("sum", SIZES, Plan::sum(VIEWS)),
+        ("support", SIZES, Plan::support(VIEWS)),
+        ("support without images: farthest", SIZES.without_images(), Plan::support(VIEWS)),
         (
             "diversity, movement costs 0.3",
             SIZES,
