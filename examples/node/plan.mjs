@@ -74,7 +74,7 @@ async function begin(vantage, folder, say) {
     RADIUS,
   );
   const model = new vantage.Model(await readFile(fileURLToPath(import.meta.resolve("vantage-wasm/soarnet.model"))));
-  const session = new vantage.Session(pool, { scheme: "ensemble", budget: pool.length }, model);
+  const session = new vantage.Session(pool, { scheme: "support", budget: pool.length }, model);
   for (const { named, matrix, lens, photo, direction } of taken) {
     const window = windowOf({ matrix, lens }, layout);
     const pose = lookingAtOrigin(scale(direction, RADIUS / length(direction)));

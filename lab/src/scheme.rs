@@ -8,13 +8,13 @@ use vantage_core::planner::{Plan, Scheme};
 
 /// Every name, with what it stands for.
 pub const SCHEMES: [(&str, &str); 24] = [
+    ("soarnet-support", "angular support of the hull that a network sees in the photos"),
     ("soarnet", "the ensemble as a network predicts it from photos"),
     ("soarnet-c", "surface coverage as a network predicts it from photos"),
     ("soarnet-q", "geometric complexity as a network predicts it from photos"),
     ("soarnet-d", "ray diversity as a network predicts it from photos"),
     ("soarnet-t", "textural complexity as a network predicts it from photos"),
     ("soarnet-sum", "the sum of the four gains as a network predicts them from photos"),
-    ("soarnet-support", "angular support of the hull that a network sees in the photos"),
     ("soarnet-poses", "the ensemble as a network predicts it from poses alone"),
     ("soarnet-poses-c", "surface coverage as a network predicts it from poses alone"),
     ("soarnet-poses-q", "geometric complexity as a network predicts it from poses alone"),

@@ -5,7 +5,7 @@ export function plan(core, bytes) {
   const hex = (numbers) => Array.from(new Uint32Array(Float32Array.from(numbers).buffer), (word) => word.toString(16)).join(" ");
   const model = new core.Model(bytes);
   const pool = new core.Pool({ kind: "hemisphere", minElevationRad: 0.1, maxElevationRad: 1.2 }, 60, 3);
-  const session = new core.Session(pool, { scheme: "ensemble", budget: 12, seed: 3, movementCost: 0.2 }, model);
+  const session = new core.Session(pool, { scheme: "support", budget: 12, seed: 3, movementCost: 0.2 }, model);
   const lines = [];
   for (let next = session.nextView(), step = 1; next; next = session.nextView(), step += 1) {
     if (step === 4) {

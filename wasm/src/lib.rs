@@ -3,7 +3,7 @@
 //! ```js
 //! const model = new Model(bytesOfTheModelFile);
 //! const pool = new Pool({ kind: "hemisphere", minElevationRad: 0.1, maxElevationRad: 1.2 }, 100, 0.5);
-//! const session = new Session(pool, { scheme: "ensemble", budget: 20 }, model);
+//! const session = new Session(pool, { scheme: "support", budget: 20 }, model);
 //! for (let next = session.nextView(); next; next = session.nextView()) {
 //!   const { pixels, width, height } = await photographFrom(next.pose);
 //!   session.observe(next.index, { pixels, width, height, format: "rgba" });

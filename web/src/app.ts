@@ -95,7 +95,7 @@ export class App {
             space: { kind: "hemisphere", minElevationRad: radians(5), maxElevationRad: radians(75) },
             count: SIMULATED.count,
           },
-          plan: { scheme: "ensemble", budget: SIMULATED.budget, stop: STOP },
+          plan: { scheme: "support", budget: SIMULATED.budget, stop: STOP },
           ...(file ? { file } : {}),
         },
       });

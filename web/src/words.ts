@@ -17,7 +17,7 @@ export function reasonWords(reason: Reason): string {
     case "all-objectives":
       return "Best of everything together from here.";
     case "support":
-      return "Nothing has been seen from near here.";
+      return "Least seen from near here so far.";
     case "farthest":
       return "Far from every photo so far.";
     case "start":

@@ -88,7 +88,7 @@ impl fmt::Display for Reason {
             Self::Objective(Objective::Diversity) => "most new viewing directions",
             Self::Objective(Objective::Texture) => "most surface detail left to see",
             Self::AllObjectives => "most gain over all four objectives",
-            Self::Support => "nearest to views not yet supported",
+            Self::Support => "least seen from near here",
         })
     }
 }

@@ -46,7 +46,11 @@ pub struct EvaluateArgs {
     /// Schemes, separated by commas: those of `plan`, e-exact (the same as e), fibonacci (an even
     /// lattice, not from the candidates), best-of-4-random and optimal-cqdt (the best in hindsight),
     /// activenerf (ActiveNeRF at a small size; it trains a network to choose: a minute for 20 views)
-    #[arg(long, value_delimiter = ',', default_value = "random,fps,e-exact,soarnet")]
+    #[arg(
+        long,
+        value_delimiter = ',',
+        default_value = "random,fps,e-exact,soarnet,soarnet-support"
+    )]
     pub schemes: Vec<String>,
     /// Budgets, separated by commas
     #[arg(long, value_delimiter = ',', default_value = "6,12,20")]

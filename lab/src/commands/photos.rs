@@ -72,8 +72,8 @@ pub fn run(args: &PlanArgs, folder: &Path) -> Result<()> {
     let network = args.model.network_of(scheme)?;
     if network.is_none() && !scheme::needs_poses_only(scheme) {
         bail!(
-            "the scheme {scheme} needs a mesh: from photos choose soarnet, soarnet-c, -q, -d, -t or \
-             -sum, fps, pc-fps, or random"
+            "the scheme {scheme} needs a mesh: from photos choose soarnet-support, soarnet, soarnet-c, \
+             -q, -d, -t or -sum, fps, pc-fps, or random"
         );
     }
     if args.photos.next == 0 {

@@ -33,10 +33,11 @@ pub struct PlanArgs {
     /// Number of views to choose
     #[arg(long, short, default_value_t = 20, value_name = "B", conflicts_with = "photos")]
     pub budget: usize,
-    /// How views are chosen. Predicted by a network: soarnet (the ensemble), soarnet-c, -q, -d or -t
-    /// (one objective alone), soarnet-sum; soarnet-poses… without looking at photos. Exactly, from
-    /// the mesh: e, e-literal, c, q, d, t, sum, support (angular support and empty space). By poses: fps (farthest-point sampling), pc-fps (the
-    /// same after pseudo-coverage), random [default: soarnet]
+    /// How views are chosen. By what a network sees in the photos: soarnet-support (what later views
+    /// will look for), soarnet (the paper's ensemble), soarnet-c, -q, -d or -t (one objective alone),
+    /// soarnet-sum; soarnet-poses… without looking at photos. Exactly, from the mesh: support, e,
+    /// e-literal, c, q, d, t, sum. By poses: fps (farthest-point sampling), pc-fps (the same after
+    /// pseudo-coverage), random [default: soarnet-support]
     #[arg(long, short, value_name = "S")]
     pub scheme: Option<String>,
     #[command(flatten)]
@@ -95,7 +96,7 @@ pub enum ProfileArg {
 impl PlanArgs {
     /// The scheme: the network's where none is named.
     pub(super) fn scheme(&self) -> &str {
-        self.scheme.as_deref().unwrap_or("soarnet")
+        self.scheme.as_deref().unwrap_or("soarnet-support")
     }
 }
 

@@ -90,7 +90,7 @@ export class LiveCapture {
           space: { kind: "hemisphere", minElevationRad: radians(8), maxElevationRad: radians(72) },
           count: PLANNED.count,
         },
-        plan: { scheme: "ensemble", budget: PLANNED.budget, movementCost: PLANNED.movementCost, stop: STOP },
+        plan: { scheme: "support", budget: PLANNED.budget, movementCost: PLANNED.movementCost, stop: STOP },
       },
     });
     this.app.dispatch({ type: "discarded" });

@@ -176,7 +176,7 @@ function sessionOver(core: Vantage, model: Model, poses: readonly Float32Array[]
   );
   try {
     const views = Math.min(poses.length, MOST_VIEWS);
-    return new core.Session(pool, { scheme: "sum", budget: Math.min(pool.length, views + 1) }, model);
+    return new core.Session(pool, { scheme: "support", budget: Math.min(pool.length, views + 1) }, model);
   } finally {
     pool.free();
   }
