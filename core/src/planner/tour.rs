@@ -135,9 +135,13 @@ impl<P: Fn(usize) -> Vec3> Tour<P> {
                         self.step(left, first) + self.step(last, right) - self.step(left, right);
                     if added + NOTICEABLE < cut
                         && let Some(stretch) = order.get_mut(from..to)
-                        && size <= stretch.len()
                     {
-                        stretch.rotate_left(size);
+                        // As `rotate_left(size)`, which would be all of a controller's code for moves.
+                        if let Some((moved, passed)) = stretch.split_at_mut_checked(size) {
+                            moved.reverse();
+                            passed.reverse();
+                        }
+                        stretch.reverse();
                         better = true;
                         break;
                     }

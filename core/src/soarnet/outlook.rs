@@ -53,14 +53,24 @@ const WHOLE: i32 = 256;
 pub(super) struct Spot {
     centre: Vec3,
     normal: Vec3,
-    pub(super) area: i32, // units of 2^-8 voxel sides squared
-    best: i32,            // max of e, units of 2^-8
-    sum: i32,             // of e, units of 2^-8
-    detail: i32,          // sum of cos · detail, units of 2^-8 · 1/127
-    covered: i32,         // sum of cos · cover, likewise
-    rays: Rays,           // of all views that see it
-    discount: [i32; 2],   // 2^-s and 4^-s, units of 2^-8
-    texture: i32,         // t, units of 2^-8
+    pub(super) slant: f32, // least so far: see `slant_from`
+    pub(super) area: i32,  // units of 2^-8 voxel sides squared
+    best: i32,             // max of e, units of 2^-8
+    sum: i32,              // of e, units of 2^-8
+    detail: i32,           // sum of cos · detail, units of 2^-8 · 1/127
+    covered: i32,          // sum of cos · cover, likewise
+    rays: Rays,            // of all views that see it
+    discount: [i32; 2],    // 2^-s and 4^-s, units of 2^-8
+    texture: i32,          // t, units of 2^-8
+}
+
+impl Spot {
+    /// How far the line of sight from a camera is from lying in the surface: the sine of the angle, 0 to 1.
+    /// What is thin lies in all of them.
+    pub(super) fn slant_from(&self, eye: Vec3) -> f32 {
+        let towards = eye - self.centre;
+        (towards.dot(self.normal) * math::inverse_sqrt(towards.length_squared())).abs()
+    }
 }
 
 /// The moments of a spot's rays to cameras, in whole numbers.
@@ -219,7 +229,7 @@ impl Form {
         self.spots.clear();
         for voxel in self.hull.surface(on_lattice) {
             let (centre, normal, area) = (voxel.centre, voxel.normal, fixed(voxel.area, 256.0));
-            let spot = Spot { centre, normal, area, ..Spot::default() };
+            let spot = Spot { centre, normal, area, slant: 1.0, ..Spot::default() };
             if self.spots.push(spot).is_err() {
                 break;
             }
@@ -229,6 +239,7 @@ impl Form {
             let camera = Camera::try_new(stance);
             for (place, spot) in self.spots.iter_mut().enumerate() {
                 let Some(camera) = &camera else { break };
+                spot.slant = spot.slant.min(spot.slant_from(camera.eye));
                 let Some((direction, cosine, weight)) =
                     sight(&self.hull, &self.bounds, spot, camera.eye)
                 else {
@@ -512,6 +523,25 @@ mod tests {
                 assert_eq!((other.1, other.2), (1.0, WHOLE));
             }
         }
+    }
+
+    #[test]
+    fn a_slant_is_the_least_sine_between_a_line_of_sight_and_the_surface() {
+        let photos = photos_of(&BALLS, &stances(17)[4..9], |x, _| x as i8);
+        let mut steep = 0;
+        for spot in &surveyed(&photos).spots {
+            let sine = |(stance, _): &Photo| {
+                let ray = double(Camera::eye_in(stance.direction) - spot.centre).normalize();
+                ray.dot(double(spot.normal).normalize()).abs()
+            };
+            let expected = photos.iter().map(sine).fold(1.0, f64::min);
+            assert!((f64::from(spot.slant) - expected).abs() < 1e-5);
+            steep += usize::from(expected > 0.2);
+        }
+        assert!(steep > 20, "{steep}");
+        let mut form = carved(&photos);
+        form.survey(core::iter::empty(), |_, _| ());
+        assert!(form.spots.iter().all(|spot| spot.slant == 1.0));
     }
 
     /// Eq. D of rays to cameras, in double precision.

@@ -1,11 +1,14 @@
-//! What a candidate would add to the support of later views, by the outlines alone.
+//! What a candidate would add to the support of later views, by the outlines alone: `F = L + 1.5 R`.
 //!
 //! [`SupportLedger`](crate::objectives::SupportLedger) tells from a mesh whether what later views look
-//! for has been seen from near their direction. Here the hull stands in for the mesh. Later views look
-//! from an even lattice of 48 directions, as far as there are candidates within 30 degrees; each sees the
-//! spots that the candidate nearest to it sees. Such a pair of a spot and a later view is a *target*. A
-//! photo that sees the spot counts `a = (135° / (φ + 15°))²` for it, `φ` being the angle between photo and
-//! later view around the centre, and with `w` the area of a target's spot
+//! for has been seen from near their direction, and how much has been shown to be empty. Here the visual
+//! hull stands in for the mesh.
+//!
+//! **L, angular support.** Later views look from an even lattice of 48 directions, as far as there are
+//! candidates within 30 degrees; each sees the spots that the candidate nearest to it sees. Such a pair of
+//! a spot and a later view is a *target*. A photo that sees the spot counts `a = (135° / (φ + 15°))²` for
+//! it, `φ` being the angle between photo and later view around the centre. With `w` the area of a target's
+//! spot,
 //!
 //! ```text
 //! L = Σ w ln(1 + Σ a) / (ln 82 · Σ w)
@@ -14,10 +17,18 @@
 //! which is 1 where each later view has been taken. A spot is seen up to 75 degrees of incidence; nearer
 //! to squarely counts no more, and `φ` is not that at the spot: so a byte for each pair of a photo and a
 //! later view and a bit for each of a photo and a spot tell all, whatever the order of the photos.
+//!
+//! **R, rims.** A photo carves best where it looks along the surface. With `s` the sine of the angle
+//! between a line of sight and the surface at a spot, `R` is the mean of `1 - min s` over the hull, by area;
+//! before the first photo it is 0.
+//!
+//! The weight was chosen on twelve procedural objects: without R, plans lost to farthest-point sampling
+//! from 20 views on.
 
 use glam::Vec3;
 
 use super::features::Direction;
+use super::hull::Camera;
 use super::outlook::{SPOTS, Spot};
 use crate::math;
 
@@ -32,7 +43,7 @@ pub type Seen = [u32; SPOTS.div_ceil(32)];
 pub struct Standpoint {
     near: [u8; LATER], // root of `a`, units of 1 / NEAR, for each later view
     pub(super) seen: Seen,
-    pub(super) gain: f32, // of L, if a photo is taken
+    pub(super) gain: f32, // of F, if a photo is taken
 }
 
 /// One, in units of a root of `a`: the largest root is 9.
@@ -40,6 +51,9 @@ const NEAR: f32 = 28.0;
 
 /// ln 82: what a target has where its later view itself has been taken.
 const WHOLE: f32 = 4.406_719;
+
+/// How much R counts beside L.
+const RIMS: f32 = 1.5;
 
 /// The cosine of 30 degrees: a later view farther than that from any candidate will not be.
 const WITHIN: f32 = 0.866_025_4;
@@ -107,7 +121,7 @@ fn later(directions: &[Direction]) -> heapless::Vec<Later, LATER> {
     list
 }
 
-/// Tells every candidate what L would gain by a photo from there; 0 where no later view sees a spot.
+/// Tells every candidate what F would gain by a photo from there; 0 where there is no spot.
 pub(super) fn gains(
     spots: &[Spot],
     views: &[Standpoint],
@@ -118,7 +132,17 @@ pub(super) fn gains(
         candidate.gain = 0.0;
     }
     let later = later(directions);
-    let mut wanted = 0.0;
+    let looks = |later: &Later, candidates: &[Standpoint], spot: usize| {
+        candidates.get(later.candidate).is_some_and(|candidate| candidate.sees(spot))
+    };
+    let (mut surface, mut wanted) = (0.0, 0.0);
+    for (index, spot) in spots.iter().enumerate() {
+        surface += spot.area as f32;
+        let targets = later.iter().filter(|later| looks(later, candidates, index)).count();
+        wanted += spot.area as f32 * targets as f32;
+    }
+    let part = |share: f32, whole: f32| if whole > 0.0 { share / whole } else { 0.0 };
+    let (support, rims) = (part(1.0, WHOLE * wanted), part(RIMS, surface));
     for (index, spot) in spots.iter().enumerate() {
         let mut sums = [0u32; LATER];
         for view in views.iter().filter(|view| view.sees(index)) {
@@ -128,15 +152,17 @@ pub(super) fn gains(
         }
         // The spot's targets: the place of the later view, and 1 / (1 + Σ a), units of NEAR².
         let mut targets: heapless::Vec<(usize, f32), LATER> = heapless::Vec::new();
-        for &Later { place, candidate } in &later {
-            if candidates.get(candidate).is_some_and(|candidate| candidate.sees(index)) {
-                let sum = sums.get(place).copied().unwrap_or_default();
-                let _ = targets.push((place, 1.0 / (NEAR * NEAR + sum as f32))); // there is room
-            }
+        for later in later.iter().filter(|later| looks(later, candidates, index)) {
+            let sum = sums.get(later.place).copied().unwrap_or_default();
+            let _ = targets.push((later.place, 1.0 / (NEAR * NEAR + sum as f32))); // there is room
         }
         let area = spot.area as f32;
-        wanted += area * targets.len() as f32;
-        for candidate in candidates.iter_mut().filter(|candidate| candidate.sees(index)) {
+        for (candidate, &direction) in candidates.iter_mut().zip(directions) {
+            let slant = spot.slant_from(Camera::eye_in(direction));
+            candidate.gain += rims * area * (spot.slant - slant).max(0.0);
+            if !candidate.sees(index) {
+                continue;
+            }
             // A product of 16 factors of at most 82 is a number.
             for targets in targets.chunks(16) {
                 let mut product = 1.0;
@@ -144,13 +170,9 @@ pub(super) fn gains(
                     let near = candidate.near.get(place).copied().unwrap_or_default();
                     product *= 1.0 + u32::from(near).pow(2) as f32 * open;
                 }
-                candidate.gain += area * math::ln(product);
+                candidate.gain += support * area * math::ln(product);
             }
         }
-    }
-    let share = if wanted > 0.0 { 1.0 / (WHOLE * wanted) } else { 0.0 };
-    for candidate in candidates {
-        candidate.gain *= share;
     }
 }
 
@@ -195,7 +217,7 @@ mod tests {
     }
 
     #[test]
-    fn of_a_ball_the_view_again_gains_least_and_one_from_behind_most() {
+    fn of_a_ball_the_view_again_gains_least_and_one_well_away_most() {
         let all = stances(64);
         let candidates: Vec<_> = all.iter().map(|stance| stance.direction).collect();
         for view in [0, 9, 30, 63] {
@@ -205,7 +227,8 @@ mod tests {
             let most = (0..64).max_by(by).unwrap();
             assert_eq!((0..64).min_by(by), Some(view));
             let cosine = candidates[view].vector().dot(candidates[most].vector());
-            assert!(cosine < -0.4, "{view} {most} {cosine}");
+            // From straight behind, the ball has the same rim.
+            assert!(cosine < 0.4, "{view} {most} {cosine}");
             assert!(gains[view] > 0.0 && gains[most] > 2.0 * gains[view] && gains[most] < 1.0);
         }
     }
@@ -244,6 +267,21 @@ mod tests {
         let alone = &mut [candidates[7]];
         gains(&[spot], &[], &directions[7..8], alone);
         assert!(alone[0].gain > 0.5 && first < 0.4, "{} {first}", alone[0].gain);
+    }
+
+    #[test]
+    fn a_rim_not_yet_seen_counts_one_and_a_half() {
+        // Spots without a normal, which lie in every line of sight, and which nobody sees.
+        let spot = |area: i32, slant: f32| {
+            let mut spot = Spot::default();
+            (spot.area, spot.slant) = (area, slant);
+            spot
+        };
+        let direction = stances(5)[2].direction;
+        let mut candidates = [Standpoint::new(direction); 2];
+        gains(&[spot(30, 0.5), spot(10, 0.1)], &[], &[direction; 2], &mut candidates);
+        let expected = 1.5 * (0.75 * 0.5 + 0.25 * 0.1);
+        assert!(candidates.iter().all(|candidate| (candidate.gain - expected).abs() < 1e-6));
     }
 
     /// Photos, candidates, and spots with their areas; what is seen is drawn too.
