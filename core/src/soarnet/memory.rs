@@ -81,8 +81,8 @@ impl<M: Memory + ?Sized> Memory for &mut M {
 /// Room for a fixed number of candidates and views of a network with tokens of `WIDTH` and embeddings
 /// of `EMBEDDING`, without a heap.
 ///
-/// A smaller network fits too. 128 candidates and 64 views of the default sizes take 165 KiB: 33 to
-/// encode photos in, 43 for the visual hull, 35 for the views and 54 for the candidates.
+/// A smaller network fits too. 128 candidates and 64 views of the default sizes take 170 KiB: 33 to
+/// encode photos in, 45 for the visual hull, 36 for the views and 56 for the candidates.
 #[derive(Clone, Debug)]
 pub struct Fixed<
     const CANDIDATES: usize,

@@ -150,7 +150,7 @@ pub enum Eye {
     Candidate(usize),
 }
 
-/// The visual hull and the spots on it: 43 KiB. What is in it before [`begin`](Self::begin) does not
+/// The visual hull and the spots on it: 45 KiB. What is in it before [`begin`](Self::begin) does not
 /// matter.
 #[derive(Clone, Debug)]
 pub struct Form {
