@@ -313,6 +313,8 @@ proptest! {
         prop_assert_eq!(scorer.state(), other.state());
         for (place, &index) in order.iter().enumerate() {
             prop_assert_eq!(scorer.ranks(index), other.ranks(place));
+            let support = |scorer: &SoarNet<'_, Room>, at| scorer.support(at, &poses[index]);
+            prop_assert_eq!(support(&scorer, index), support(&other, place));
             for objective in Objective::ALL {
                 let pose = &poses[index];
                 prop_assert_eq!(scorer.gain(objective, index, pose), other.gain(objective, place, pose));
@@ -322,11 +324,35 @@ proptest! {
 }
 
 #[test]
+fn clutter_is_what_is_covered_beyond_the_ball() {
+    let mut most = 0.0f64;
+    for seed in 0..12 {
+        let file = OwnNetwork::by_chance(SMALL, seed).file();
+        let scorer = after(Model::parse(&file).unwrap(), &[1, 4, 6]);
+        let middle = |place: usize| (place as f64 + 0.5) / 8.0 - 1.0;
+        let (mut beside, mut covered) = (0.0, 0.0);
+        for sketch in (0..3).map(|view| scorer.sketch(view).unwrap()) {
+            for (row, column) in (0..16).flat_map(|row| (0..16).map(move |column| (row, column))) {
+                if middle(row).hypot(middle(column)) > 1.1 {
+                    beside += 1.0;
+                    covered += f64::from(sketch[16 * row + column] > 63);
+                }
+            }
+        }
+        assert!(beside > 3.0 * 10.0);
+        assert!((f64::from(scorer.clutter()) - covered / beside).abs() < 1e-6);
+        most = most.max(covered / beside);
+    }
+    assert!(most > 0.05, "{most}");
+}
+
+#[test]
 fn before_the_first_photo_nothing_is_known() {
     let file = OwnNetwork::by_chance(SMALL, 7).file();
     let scorer = after(Model::parse(&file).unwrap(), &[]);
     assert_eq!(scorer.scores(), vantage_core::Scores::default());
     assert_eq!(scorer.gain(Objective::Coverage, 0, &poses()[0]), 0.0);
+    assert_eq!((scorer.support(0, &poses()[0]), scorer.clutter()), (0.0, 0.0));
     assert_eq!(scorer.embedding(0), None);
 }
 

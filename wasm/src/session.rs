@@ -36,10 +36,11 @@ export type Status = "available" | "visited" | "skipped" | "blocked";
 
 /** How far a capture is. `scores` (0 to 1) and `gainLeft`, the best expected gain of one further photo
  *  (0 where no candidate is left), are a network's estimates: absent without one and before the first
- *  photo. `isEnough` says that the plan's stop rule has ended the session. */
+ *  photo; so is `clutter`, how much of what lies beside the object its outlines take for it (0 to 1; above
+ *  0.1 the background misleads them). `isEnough` says that the plan's stop rule has ended the session. */
 export type Progress = {
   views: number; budget: number; isEnough: boolean;
-  scores?: Record<Objective, number>; gainLeft?: Record<Objective, number>;
+  scores?: Record<Objective, number>; gainLeft?: Record<Objective, number>; clutter?: number;
 };
 
 /** Candidates in the order that moves the camera least, and the length of the way. */
@@ -204,6 +205,7 @@ impl Session {
             ("isEnough", (self.ended() == Some(Finish::GoodEnough)).into()),
             ("scores", scores),
             ("gainLeft", left),
+            ("clutter", self.clutter().map_or(JsValue::UNDEFINED, JsValue::from)),
         ])
     }
 
@@ -366,6 +368,15 @@ impl Session {
 
     fn scores(&self) -> Scores {
         read!(&self.inner, session => session.scores())
+    }
+
+    fn clutter(&self) -> Option<f32> {
+        match &self.inner {
+            Inner::Network(network) if self.knows() => {
+                Some(network.borrow_dependent().scorer().clutter())
+            }
+            _ => None,
+        }
     }
 
     /// Whether there is anything to estimate from.

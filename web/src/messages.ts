@@ -114,6 +114,8 @@ export type Progress = {
   /** What the best further photo would add. */
   gainLeft: Scores;
   isEnough: boolean;
+  /** How much of what lies beside the object is taken for it, 0 to 1. */
+  clutter: number;
 };
 
 /** Exact scores after each photo. */

@@ -27,6 +27,15 @@ export function reasonWords(reason: Reason): string {
   }
 }
 
+/** From so much clutter on, outlines are not to be relied on. */
+const CLUTTERED = 0.1;
+
+/** What a background that is taken for the object means, if it is. */
+export function clutterWords(clutter: number): string | null {
+  if (clutter <= CLUTTERED) return null;
+  return `${percent(clutter)} of what lies beside the object looks like part of it, so views are only spread evenly. A plain background helps.`;
+}
+
 /** Why there is no next view. */
 export function finishWords(finish: Finish): string {
   switch (finish) {

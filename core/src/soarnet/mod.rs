@@ -77,5 +77,5 @@ pub use model::{
     Stage, VERSION, WIDEST, WriteError,
 };
 pub use outlook::{Eye, Form, OUTLOOK};
-pub use scorer::{Photo, PhotoError, SetupError, SoarNet};
+pub use scorer::{CLUTTERED, Photo, PhotoError, SetupError, SoarNet};
 pub use support::{Seen, Standpoint};

@@ -6,7 +6,7 @@ use glam::Vec3;
 
 use super::features::{Direction, Stance};
 use super::heads::Context;
-use super::image::{Image, ImageError, SKETCH, Window};
+use super::image::{COVER, Image, ImageError, SKETCH, Window};
 use super::memory::{ListsMut, Memory};
 use super::model::{Model, RANKS, STATE};
 use super::outlook::{Eye, OUTLOOK};
@@ -107,6 +107,10 @@ impl fmt::Display for PhotoError {
 }
 
 impl core::error::Error for PhotoError {}
+
+/// [`SoarNet::clutter`] from which outlines are not to be relied on: 0 on rendered objects before plain
+/// backgrounds, 0.2 in a capture of a toy before wallpaper.
+pub const CLUTTERED: f32 = 0.1;
 
 /// Scores views by what a [`Model`] predicts from the photos so far and where they were taken.
 ///
@@ -209,6 +213,28 @@ impl<'m, M: Memory> SoarNet<'m, M> {
     pub fn sketch(&self, view: usize) -> Option<&[i8; SKETCH]> {
         let sees = self.model.dimensions().embedding > 0;
         self.memory.lists().sketches.get(view).filter(|_| sees && view < self.views)
+    }
+
+    /// How much of what lies beside the object is taken for it, in [0, 1]: the mean over all photos of the
+    /// share of cells that the ball around the object cannot reach and that its outline covers. 0 before a
+    /// plain background, before the first photo, and for a network without images.
+    ///
+    /// Above [`CLUTTERED`] outlines tell little: the hull is too large, and views are spread as over a ball.
+    pub fn clutter(&self) -> f32 {
+        // From the middle, in half cells.
+        let from_middle = |place: usize| (2 * place + 1).abs_diff(COVER).pow(2);
+        let is_beyond = |cell: usize| {
+            let reach = 11 * COVER * COVER * 11 / 100; // a tenth beyond the ball's disc
+            from_middle(cell % COVER) + from_middle(cell / COVER) > reach
+        };
+        let (mut beside, mut covered) = (0u32, 0u32);
+        for sketch in (0..self.views).filter_map(|view| self.sketch(view)) {
+            for (cell, &cover) in sketch.iter().enumerate().take(COVER * COVER) {
+                beside += u32::from(is_beyond(cell));
+                covered += u32::from(is_beyond(cell) && cover > 63);
+            }
+        }
+        if beside > 0 { covered as f32 / beside as f32 } else { 0.0 }
     }
 
     /// A candidate's outlook as the network is told it, shape (8); `None` where there is none.

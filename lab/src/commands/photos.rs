@@ -6,7 +6,8 @@ use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
-use vantage_core::planner::{Blind, NextView, Plan, Scorer, Session};
+use vantage_core::planner::{Blind, NextView, Plan, Reason, Scorer, Session};
+use vantage_core::soarnet::CLUTTERED;
 use vantage_core::{Pose, Scores, Vec3};
 
 use super::plan::{self, PlanArgs};
@@ -113,7 +114,8 @@ pub fn run(args: &PlanArgs, folder: &Path) -> Result<()> {
     let plan = plan::with_options(args, scheme, views + 1)?;
     let poses = candidates.iter().map(|candidate| candidate.pose).collect();
     let count = args.photos.next;
-    let (next, scores) = propose(count, &capture.photos, poses, plan, network.as_ref())?;
+    let Proposal { next, scores, note } =
+        propose(count, &capture.photos, poses, plan, network.as_ref())?;
     seconds.plan = start.elapsed().as_secs_f64();
 
     let record = PhotosRecord {
@@ -138,7 +140,7 @@ pub fn run(args: &PlanArgs, folder: &Path) -> Result<()> {
                 why: skipped.why.clone(),
             })
             .collect(),
-        notes: capture.notes.clone(),
+        notes: capture.notes.iter().cloned().chain(note).collect(),
         scores,
         next: next
             .iter()
@@ -197,7 +199,16 @@ fn candidates(args: &PoolArgs, layout: &Layout) -> Result<Vec<Candidate>> {
     given.into_iter().enumerate().map(candidate).collect()
 }
 
-/// The next views by a plan, with the scores of the photos where a network predicts them.
+/// What comes of the photos.
+struct Proposal {
+    next: Vec<NextView>,
+    /// Of the photos, where a network predicts them.
+    scores: Option<Scores>,
+    /// What is wrong with the outlines that the network sees.
+    note: Option<String>,
+}
+
+/// The next views by a plan.
 ///
 /// The scorer is chosen here and nowhere else.
 fn propose(
@@ -206,13 +217,13 @@ fn propose(
     candidates: Vec<Pose>,
     plan: Plan,
     network: Option<&Network>,
-) -> Result<(Vec<NextView>, Option<Scores>)> {
+) -> Result<Proposal> {
     let Some(network) = network else {
         let mut session = Session::try_new(Heap::default(), candidates, Blind, plan)?;
         for photo in photos {
             session.observe_elsewhere(photo.pose, &())?;
         }
-        return Ok((apart(&mut session, count)?, None));
+        return Ok(Proposal { next: apart(&mut session, count)?, scores: None, note: None });
     };
     let scorer = network.scorer(&candidates, photos.len())?;
     let remembered = spread(photos, scorer.view_capacity());
@@ -222,8 +233,26 @@ fn propose(
         observed
             .with_context(|| format!("photo {}, {}, cannot be used", photo.number, photo.file))?;
     }
-    let scores = session.scores();
-    Ok((apart(&mut session, count)?, Some(scores)))
+    let scores = Some(session.scores());
+    let next = apart(&mut session, count)?;
+    let note = doubt(session.scorer().clutter(), &next);
+    Ok(Proposal { next, scores, note })
+}
+
+/// What to say of outlines that cannot be right, and of what comes of them.
+fn doubt(clutter: f32, next: &[NextView]) -> Option<String> {
+    if clutter > CLUTTERED {
+        return Some(format!(
+            "{:.0} % of what lies beside the object is taken for it, so views are spread more as over a \
+             ball: a plain background helps",
+            100.0 * clutter
+        ));
+    }
+    (next.first()?.reason == Reason::Farthest).then(|| {
+        "the outlines of the object in the photos contradict each other, so the farthest views are \
+         named: check the poses, and that all photos show the same object"
+            .to_owned()
+    })
 }
 
 /// As many photos as a network remembers: all, or those farthest from each other, in their order.
@@ -444,9 +473,9 @@ mod tests {
         };
         let photos = [photo(Vec3::X), photo(Vec3::Y), photo(Vec3::NEG_X)];
         let poses = args.poses().unwrap();
-        let (next, scores) =
+        let Proposal { next, scores, note } =
             propose(6, &photos, poses.clone(), Plan::farthest_point(4), None).unwrap();
-        assert_eq!((next.len(), scores), (6, None));
+        assert_eq!((next.len(), scores, note), (6, None, None));
         for (place, one) in next.iter().enumerate() {
             for other in &next[..place] {
                 let angle = one.pose.position().angle_between(other.pose.position());
@@ -454,7 +483,7 @@ mod tests {
             }
         }
         // More than there is room for so far apart, and more than there are.
-        let all = propose(500, &photos, poses, Plan::farthest_point(4), None).unwrap().0;
+        let all = propose(500, &photos, poses, Plan::farthest_point(4), None).unwrap().next;
         let mut indices: Vec<usize> = all.iter().map(|next| next.index).collect();
         indices.sort_unstable();
         assert_eq!(indices, (0..200).collect::<Vec<_>>());
@@ -467,10 +496,28 @@ mod tests {
             .map(|eye| Pose::looking_at(eye.normalize() * DISTANCE, Vec3::ZERO).unwrap())
             .into();
         let network = network::tests::network();
-        let (next, scores) = propose(2, &photos, poses, Plan::ensemble(4), Some(&network)).unwrap();
+        let Proposal { next, scores, .. } =
+            propose(2, &photos, poses, Plan::ensemble(4), Some(&network)).unwrap();
         assert_eq!(next.len(), 2);
         assert_eq!(next[0].objective, Some(vantage_core::Objective::Coverage));
         assert!(scores.is_some());
+    }
+
+    #[test]
+    fn outlines_that_cannot_be_right_are_told() {
+        let next = |reason| NextView {
+            index: 0,
+            pose: photo(Vec3::X).pose,
+            objective: None,
+            gain: 0.1,
+            reason,
+        };
+        assert_eq!(doubt(0.05, &[next(Reason::Support)]), None);
+        assert_eq!(doubt(0.0, &[]), None);
+        assert!(
+            doubt(0.2, &[next(Reason::Support)]).unwrap().starts_with("20 % of what lies beside")
+        );
+        assert!(doubt(0.0, &[next(Reason::Farthest)]).unwrap().contains("contradict each other"));
     }
 
     #[test]

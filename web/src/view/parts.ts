@@ -8,7 +8,7 @@ import { type Vec3, position } from "../geometry.js";
 import { directionOf } from "../layout.js";
 import type { CaptureView, Progress } from "../messages.js";
 import type { State } from "../state.js";
-import { finishWords, percent, reasonWords } from "../words.js";
+import { clutterWords, finishWords, percent, reasonWords } from "../words.js";
 
 export function sceneOf(view: CaptureView, here: Vec3 | null): DomeScene {
   const { layout, photos } = view.record;
@@ -55,12 +55,14 @@ export const bestGain = (progress: Progress): number => Math.max(0, ...Object.va
 export function outlook(view: CaptureView): TemplateResult {
   const { progress, record } = view;
   const taken = record.photos.length;
+  const clutter = progress && clutterWords(progress.clutter);
   if (!progress) return html`<p class="hint">The first photos show where the object is interesting.</p>`;
   return html`
     <p class="verdict ${progress.isEnough ? "enough" : ""}">${progress.isEnough
       ? html`<b>Good enough from here.</b> A further photo would add less than ${percent(Math.max(0.001, bestGain(progress)))}.`
       : html`<b>${taken} of ${record.plan.budget}</b> photos. One more would add up to ${percent(bestGain(progress))}.`}</p>
     ${bars(progress.scores, progress.gainLeft)}
+    ${clutter ? html`<p class="hint">${clutter}</p>` : nothing}
     <p class="hint">Expected by the network, not measured.</p>`;
 }
 

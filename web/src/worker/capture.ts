@@ -313,8 +313,8 @@ async function windowOf(store: Store, photo: PhotoRecord): Promise<Photo> {
 
 /** Null before the first photo. */
 function progress(session: Session): Progress | null {
-  const { scores, gainLeft, isEnough } = session.progress();
-  return scores && gainLeft ? { scores, gainLeft, isEnough } : null;
+  const { scores, gainLeft, isEnough, clutter = 0 } = session.progress();
+  return scores && gainLeft ? { scores, gainLeft, isEnough, clutter } : null;
 }
 
 function difference(a: Scores, b: Scores): Scores {

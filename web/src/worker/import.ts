@@ -5,7 +5,7 @@ import { type Vec3, angleBetween, position, radians } from "../geometry.js";
 import { DISTANCE, LayoutError, directionOf, estimate, fromPlan, toPlan } from "../layout.js";
 import type { ImportReport, Named, Reshoot } from "../messages.js";
 import { checkRecord, type CaptureRecord } from "../record.js";
-import { OBJECTIVES, direction, way } from "../words.js";
+import { OBJECTIVES, clutterWords, direction, way } from "../words.js";
 import { WINDOW, cut } from "../window.js";
 import { type Foreign, ForeignError, parsePolycam, parseRecord3d, parseTransforms } from "./foreign.js";
 import * as pictures from "./pictures.js";
@@ -76,12 +76,14 @@ export async function importCapture(core: Vantage, model: Model, files: readonly
     for (const { pose, rgb } of spread(windows)) {
       session.observeElsewhere(pose, { pixels: rgb, width: WINDOW, height: WINDOW, format: "rgb" });
     }
-    const { scores = null, gainLeft = null } = session.progress();
+    const { scores = null, gainLeft = null, clutter = 0 } = session.progress();
     const isEnough = gainLeft !== null && Object.values(gainLeft).every((gain) => gain < WORTH);
     const reshoot = reshootList(session, photos, layout);
     const record = await ours(entries, root);
     const notes = [...foreign.notes];
     if (windows.length > MOST_VIEWS) notes.push(`The network remembers ${MOST_VIEWS} photos: those farthest from each other are used.`);
+    const cluttered = clutterWords(clutter);
+    if (cluttered) notes.push(cluttered);
     return {
       report: {
         name: nameOf(files, root), origin: record ? "this page" : foreign.origin, photos, skipped, notes, layout,
