@@ -280,7 +280,7 @@ enum vantage_scheme
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
     /*
-     One objective a view, C Q Q D D T in turn: the default.
+     One objective a view, C Q Q D D T in turn: the paper's.
      */
     VANTAGE_SCHEME_ENSEMBLE = 0,
     /*
@@ -312,7 +312,8 @@ enum vantage_scheme
      */
     VANTAGE_SCHEME_RANDOM = 7,
     /*
-     Most support for later views, well away from all views so far. Needs a model that looks at photos.
+     Six farthest points, then most support for later views, well away from all views so far: the best
+     where the model looks at photos.
      */
     VANTAGE_SCHEME_SUPPORT = 8,
 };

@@ -11,7 +11,7 @@ use crate::status::Status;
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scheme {
-    /// One objective a view, C Q Q D D T in turn: the default.
+    /// One objective a view, C Q Q D D T in turn: the paper's.
     Ensemble = 0,
     /// The largest sum of the four gains.
     Sum = 1,
@@ -27,7 +27,8 @@ pub enum Scheme {
     FarthestPoint = 6,
     /// By chance; looks at no photo.
     Random = 7,
-    /// Most support for later views, well away from all views so far. Needs a model that looks at photos.
+    /// Six farthest points, then most support for later views, well away from all views so far: the best
+    /// where the model looks at photos.
     Support = 8,
 }
 
@@ -212,7 +213,7 @@ impl Plan {
             TEXTURE => CorePlan::single(Objective::Texture, budget),
             FARTHEST_POINT => CorePlan::farthest_point(budget),
             RANDOM => CorePlan::random(budget),
-            SUPPORT => CorePlan::support(budget),
+            SUPPORT => CorePlan::from_photos(budget),
             _ => return Err(Status::BadNumber),
         };
         let plan = plan

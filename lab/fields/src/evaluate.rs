@@ -16,7 +16,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 use vantage_core::{Camera, Pose};
 use vantage_lab::commands::ModelArgs;
-use vantage_lab::commands::compare::objects_of;
+use vantage_lab::commands::compare::{objects_of, seed_of};
 use vantage_lab::network::Network;
 use vantage_lab::object::Object;
 use vantage_lab::photos::Scene;
@@ -30,7 +30,7 @@ use crate::page;
 use crate::photos::{Photos, Picture, test_circle, test_wave};
 use crate::plans::{self, Views};
 use crate::recipe::{Kind, Preset, Recipe};
-use crate::results::Study;
+use crate::results::{Study, name_of};
 use crate::runs::{Run, Settings, Store, csv};
 use crate::subject::{self, Photographed, Rendered, Subject, scenes_in};
 use crate::summary::{self, Summary, summarise};
@@ -87,6 +87,10 @@ pub struct EvaluateArgs {
     pub model: ModelArgs,
     #[command(flatten)]
     pub pool: PoolArgs,
+    /// Draw other candidates from the sphere for each object and each seed, so that no layout of views is
+    /// common to all of them
+    #[arg(long, conflicts_with_all = ["pool", "pool_seed", "space"])]
+    pub random_candidates: bool,
     /// Seed of a built-in object
     #[arg(long, default_value_t = 0, value_name = "K")]
     pub object_seed: u64,
@@ -240,7 +244,8 @@ fn settings_of(args: &EvaluateArgs) -> Result<Settings> {
     let mut recipe = Recipe::new(args.field, args.preset);
     recipe.steps = args.steps.unwrap_or(recipe.steps);
     let count = args.pool.candidates;
-    let pool = (args.pool.record(), args.pool.seed(), count);
+    let seed = args.pool.seed().filter(|_| !args.random_candidates);
+    let pool = (args.pool.record(), seed, count);
     Ok(Settings {
         field: args.field,
         preset: args.preset,
@@ -335,9 +340,25 @@ impl Sweep<'_> {
         for warning in &object.warnings {
             self.bar.suspend(|| eprintln!("warning: {name}: {warning}"));
         }
-        let rendered =
-            Rendered::new(&object.mesh, self.camera, self.poses, self.test_poses, self.networks)?;
-        self.train_on(name, missing, &rendered)
+        let train = |poses: &[Pose], missing: &[&Wanted]| {
+            let (camera, test_poses) = (self.camera, self.test_poses);
+            let subject = Rendered::new(&object.mesh, camera, poses, test_poses, self.networks)?;
+            self.train_on(name, missing, &subject)
+        };
+        if !self.args.random_candidates {
+            return train(self.poses, missing);
+        }
+        let mut runs = Vec::new();
+        for seed in 0..missing.iter().map(|one| one.seed + 1).max().unwrap_or(0) {
+            let missing: Vec<&Wanted> =
+                missing.iter().copied().filter(|one| one.seed == seed).collect();
+            if !missing.is_empty() {
+                let pool_seed = seed_of(&name_of(name), seed);
+                let poses = PoolArgs { pool_seed, ..self.args.pool.clone() }.poses()?;
+                runs.extend(train(&poses, &missing)?);
+            }
+        }
+        Ok(runs)
     }
 
     fn train_on(&self, name: &str, missing: &[&Wanted], subject: &dyn Subject) -> Result<Vec<Run>> {

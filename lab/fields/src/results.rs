@@ -109,7 +109,7 @@ impl Study {
 }
 
 /// A file's stem, or the name of what is no file.
-fn name_of(object: &str) -> String {
+pub fn name_of(object: &str) -> String {
     let stem = Path::new(object).file_stem().filter(|_| object.contains('.'));
     stem.map_or(object.to_owned(), |stem| stem.to_string_lossy().into_owned())
 }

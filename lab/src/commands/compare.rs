@@ -292,7 +292,7 @@ impl Comparison<'_> {
 }
 
 /// The seed of candidates that are an object's own.
-fn seed_of(name: &str, seed: u64) -> u64 {
+pub fn seed_of(name: &str, seed: u64) -> u64 {
     let salt = name.bytes().fold(0, |salt: u64, byte| salt.rotate_left(7) ^ u64::from(byte));
     Chance::new(salt ^ seed << 48).bits()
 }

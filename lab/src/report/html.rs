@@ -91,6 +91,8 @@ fn header(html: &mut String, report: &Report<'_>) {
         None => (plan.views.last().map(|view| view.scores), "as the planner knew it"),
     };
     html.push_str("<ul class=\"figures\">\n");
+    // By poses or by support, no objective chooses.
+    let do_choose = plan.views.iter().any(|view| view.objective.is_some());
     for objective in Objective::ALL {
         let score = scores.map_or(f32::NAN, |scores| scores.get(objective));
         let share = if score.is_finite() { score.clamp(0.0, 1.0) } else { 0.0 };
@@ -109,6 +111,7 @@ fn header(html: &mut String, report: &Report<'_>) {
             number(score, 3),
             100.0 * share,
             match chose {
+                0 if !do_choose => String::new(),
                 0 => String::from("chose no view"),
                 1 => String::from("chose 1 view"),
                 count => format!("chose {count} views"),
