@@ -20,7 +20,7 @@ use vantage_lab::commands::compare::{objects_of, seed_of};
 use vantage_lab::network::Network;
 use vantage_lab::object::Object;
 use vantage_lab::photos::Scene;
-use vantage_lab::pool::{FOV_X_RAD, PoolArgs};
+use vantage_lab::pool::{FOV_X_RAD, PoolArgs, Space};
 use vantage_lab::scheme;
 
 use crate::fly;
@@ -87,10 +87,10 @@ pub struct EvaluateArgs {
     pub model: ModelArgs,
     #[command(flatten)]
     pub pool: PoolArgs,
-    /// Draw other candidates from the sphere for each object and each seed, so that no layout of views is
-    /// common to all of them
-    #[arg(long, conflicts_with_all = ["pool", "pool_seed", "space"])]
-    pub random_candidates: bool,
+    /// The same candidates for all objects and seeds. Without it each object and seed draws its own from
+    /// the sphere, so that no layout of views is common to all; other spaces have one set of views
+    #[arg(long)]
+    pub same_candidates: bool,
     /// Seed of a built-in object
     #[arg(long, default_value_t = 0, value_name = "K")]
     pub object_seed: u64,
@@ -244,8 +244,7 @@ fn settings_of(args: &EvaluateArgs) -> Result<Settings> {
     let mut recipe = Recipe::new(args.field, args.preset);
     recipe.steps = args.steps.unwrap_or(recipe.steps);
     let count = args.pool.candidates;
-    let seed = args.pool.seed().filter(|_| !args.random_candidates);
-    let pool = (args.pool.record(), seed, count);
+    let pool = (args.pool.record(), args.pool.seed(), count, draws(args));
     Ok(Settings {
         field: args.field,
         preset: args.preset,
@@ -257,6 +256,12 @@ fn settings_of(args: &EvaluateArgs) -> Result<Settings> {
         lpips: args.lpips.clone(),
         models: [args.model.model.clone(), args.model.poses_model.clone()],
     })
+}
+
+/// Whether each object and seed has candidates of its own.
+fn draws(args: &EvaluateArgs) -> bool {
+    let space = args.pool.space.unwrap_or(Space::Sphere);
+    !args.same_candidates && args.pool.pool.is_none() && space == Space::Sphere
 }
 
 /// The networks that the schemes ask.
@@ -345,7 +350,7 @@ impl Sweep<'_> {
             let subject = Rendered::new(&object.mesh, camera, poses, test_poses, self.networks)?;
             self.train_on(name, missing, &subject)
         };
-        if !self.args.random_candidates {
+        if !draws(self.args) {
             return train(self.poses, missing);
         }
         let mut runs = Vec::new();
@@ -353,7 +358,7 @@ impl Sweep<'_> {
             let missing: Vec<&Wanted> =
                 missing.iter().copied().filter(|one| one.seed == seed).collect();
             if !missing.is_empty() {
-                let pool_seed = seed_of(&name_of(name), seed);
+                let pool_seed = self.args.pool.pool_seed ^ seed_of(&name_of(name), seed);
                 let poses = PoolArgs { pool_seed, ..self.args.pool.clone() }.poses()?;
                 runs.extend(train(&poses, &missing)?);
             }
