@@ -257,7 +257,8 @@ mod tests {
         spot.area = 77;
         let (mut sum, mut first) = (0.0, 0.0);
         for taken in 0..LATER {
-            gains(&[spot], &candidates[..taken].to_vec(), &directions, &mut candidates);
+            let views = candidates.clone();
+            gains(&[spot], &views[..taken], &directions, &mut candidates);
             sum += candidates[taken].gain;
             first = if taken == 0 { sum } else { first };
         }
