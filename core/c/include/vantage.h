@@ -28,17 +28,17 @@
 /*
  Bytes of a session that do not depend on its candidates and views: for `VANTAGE_SESSION_SIZE`.
  */
-#define VANTAGE_SESSION_BYTES 79360
+#define VANTAGE_SESSION_BYTES 81152
 
 /*
  Bytes for each candidate, for models of the default sizes.
  */
-#define VANTAGE_CANDIDATE_BYTES 416
+#define VANTAGE_CANDIDATE_BYTES 524
 
 /*
  Bytes for each view, for models of the default sizes.
  */
-#define VANTAGE_VIEW_BYTES 520
+#define VANTAGE_VIEW_BYTES 628
 
 /*
  What a session's memory must be aligned to. Every part of it begins on such a border.

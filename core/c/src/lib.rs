@@ -27,11 +27,11 @@ mod tests;
 pub const VANTAGE_ABI: u32 = 1;
 
 /// Bytes of a session that do not depend on its candidates and views: for `VANTAGE_SESSION_SIZE`.
-pub const VANTAGE_SESSION_BYTES: usize = 79_360;
+pub const VANTAGE_SESSION_BYTES: usize = 81_152;
 /// Bytes for each candidate, for models of the default sizes.
-pub const VANTAGE_CANDIDATE_BYTES: usize = 416;
+pub const VANTAGE_CANDIDATE_BYTES: usize = 524;
 /// Bytes for each view, for models of the default sizes.
-pub const VANTAGE_VIEW_BYTES: usize = 520;
+pub const VANTAGE_VIEW_BYTES: usize = 628;
 
 /// The version of the interface that the library was built with; compare it with `VANTAGE_ABI`.
 // SAFETY: no other symbol of the library bears the name.

@@ -299,7 +299,7 @@ fn numbers_that_mean_nothing_are_refused() {
         make(&mut memory, bytes, POSES_MODEL, poses, &plan, 4).map(|_| ()).unwrap_err()
     };
     let list = poses();
-    assert_eq!(refused(Plan { scheme: 8, ..PLAN }, &list), Status::BadNumber);
+    assert_eq!(refused(Plan { scheme: 9, ..PLAN }, &list), Status::BadNumber);
     assert_eq!(refused(Plan { budget_views: 0, ..PLAN }, &list), Status::BadPlan);
     assert_eq!(refused(Plan { budget_views: 13, ..PLAN }, &list), Status::BadPlan);
     assert_eq!(refused(Plan { budget_views: 5, ..PLAN }, &list), Status::TooManyViews);
