@@ -8,10 +8,7 @@ use vantage_core::planner::{Plan, Scheme};
 
 /// Every name, with what it stands for.
 pub const SCHEMES: [(&str, &str); 24] = [
-    (
-        "soarnet-support",
-        "support of the hull that a network sees in the photos, after six farthest points",
-    ),
+    ("soarnet-support", "support of the hull that a network sees in the photos"),
     ("soarnet", "the ensemble as a network predicts it from photos"),
     ("soarnet-c", "surface coverage as a network predicts it from photos"),
     ("soarnet-q", "geometric complexity as a network predicts it from photos"),
@@ -48,7 +45,6 @@ pub fn plan(name: &str, budget: usize, seed: u64) -> Option<Plan> {
         "d" => Plan::single(Objective::Diversity, budget),
         "t" => Plan::single(Objective::Texture, budget),
         "sum" => Plan::sum(budget),
-        "support" if name.starts_with("soarnet") => Plan::from_photos(budget),
         "support" => Plan::support(budget),
         "fps" => Plan::farthest_point(budget),
         "pc-fps" => Plan::pseudo_coverage(budget),

@@ -22,7 +22,7 @@ export type Scheme =
  *  far from all photos so far the next one must be, as a share of the distance that the farthest candidate
  *  has; only what asks for gains minds it. `stop` ends the session after `patience` choices in a row that
  *  promised less than `gain`. `start` and `startViews` say how and how many first views are chosen;
- *  usually 3, for "support" 6, farthest from each other. */
+ *  usually 3, farthest from each other. */
 export type Plan = {
   scheme: Scheme; budget: number; seed?: number; movementCost?: number; dispersion?: number;
   stop?: { gain: number; patience: number };
@@ -74,7 +74,7 @@ pub fn read(plan: &JsValue, centre: Vec3) -> Result<Plan, Refusal> {
 
 fn of_scheme(name: &str, budget: usize) -> Option<Plan> {
     Some(match name {
-        "support" => Plan::from_photos(budget),
+        "support" => Plan::support(budget),
         "ensemble" => Plan::ensemble(budget),
         "sum" => Plan::sum(budget),
         "farthest-point" => Plan::farthest_point(budget),
@@ -100,7 +100,7 @@ mod tests {
     #[test]
     fn scheme_names_give_their_plans() {
         for (name, plan, needs) in [
-            ("support", Plan::from_photos(9), true),
+            ("support", Plan::support(9), true),
             ("ensemble", Plan::ensemble(9), true),
             ("sum", Plan::sum(9), true),
             ("geometry", Plan::single(Objective::Geometry, 9), true),

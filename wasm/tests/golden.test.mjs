@@ -81,9 +81,8 @@ const NETWORK_PLANS = {
   ensemble: [{ scheme: "ensemble", budget: 10 }, "with-images"],
   "ensemble without images": [{ scheme: "ensemble", budget: 10 }, "without-images"],
   sum: [{ scheme: "sum", budget: 10 }, "with-images"],
-  support: [{ scheme: "support", budget: 10, startViews: 3 }, "with-images"],
-  "support from photos": [{ scheme: "support", budget: 10 }, "with-images"],
-  "support without images: farthest": [{ scheme: "support", budget: 10, startViews: 3 }, "without-images"],
+  support: [{ scheme: "support", budget: 10 }, "with-images"],
+  "support without images: farthest": [{ scheme: "support", budget: 10 }, "without-images"],
   "diversity, movement costs 0.3": [
     { scheme: "diversity", budget: 10, movementCost: 0.3 },
     "with-images",

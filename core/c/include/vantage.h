@@ -312,8 +312,7 @@ enum vantage_scheme
      */
     VANTAGE_SCHEME_RANDOM = 7,
     /*
-     Six farthest points, then most support for later views, well away from all views so far: the best
-     where the model looks at photos.
+     Most support for later views, well away from all views so far. Needs a model that looks at photos.
      */
     VANTAGE_SCHEME_SUPPORT = 8,
 };

@@ -27,8 +27,7 @@ pub enum Scheme {
     FarthestPoint = 6,
     /// By chance; looks at no photo.
     Random = 7,
-    /// Six farthest points, then most support for later views, well away from all views so far: the best
-    /// where the model looks at photos.
+    /// Most support for later views, well away from all views so far. Needs a model that looks at photos.
     Support = 8,
 }
 
@@ -213,7 +212,7 @@ impl Plan {
             TEXTURE => CorePlan::single(Objective::Texture, budget),
             FARTHEST_POINT => CorePlan::farthest_point(budget),
             RANDOM => CorePlan::random(budget),
-            SUPPORT => CorePlan::from_photos(budget),
+            SUPPORT => CorePlan::support(budget),
             _ => return Err(Status::BadNumber),
         };
         let plan = plan

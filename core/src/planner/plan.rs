@@ -193,12 +193,6 @@ impl Plan {
         Self::new(Scheme::Support, budget).with_dispersion(0.6)
     }
 
-    /// What to ask of a network that looks at photos: six farthest points, by when the outlines tell the
-    /// form, then as [`support`](Self::support).
-    pub fn from_photos(budget: usize) -> Self {
-        Self::support(budget).with_start_views(6)
-    }
-
     /// Farthest-point sampling from a candidate drawn by the seed.
     pub fn farthest_point(budget: usize) -> Self {
         Self::new(Scheme::FarthestPoint, budget)

@@ -43,7 +43,7 @@ fn assist(budget: usize, answers: impl BufRead, mut out: impl Write) -> Result<(
     let mut memory = Box::new(soarnet::Fixed::<CANDIDATES, VIEWS>::new());
     let scorer = SoarNet::try_new(Model::parse(MODEL)?, &mut *memory, Vec3::ZERO, pool.iter())?;
     let memory = planner::Fixed::<CANDIDATES, VIEWS>::default();
-    let mut session = Session::try_new(memory, pool.iter(), scorer, Plan::from_photos(budget))?;
+    let mut session = Session::try_new(memory, pool.iter(), scorer, Plan::support(budget))?;
 
     let mut answers = answers.lines();
     while let Some(next) = session.next_view() {

@@ -216,7 +216,7 @@ fn plan(
     let poses: Vec<Pose> =
         poses.iter().map(|pose| Posture::from(pose).pose()).collect::<Result<_, _>>()?;
     let photos: Vec<Vec<u8>> = network::photos(&object.mesh, &poses)?.iter().map(rgb565).collect();
-    let plan = Plan::from_photos(budget);
+    let plan = Plan::support(budget);
     client.open_listed(by_chance().max(1), plan, &poses)?;
 
     let scorer = network.scorer(&poses, budget)?;

@@ -222,7 +222,6 @@ pub fn plans(out: &mut dyn Write) -> fmt::Result {
         ("ensemble without images", SIZES.without_images(), Plan::ensemble(VIEWS)),
         ("sum", SIZES, Plan::sum(VIEWS)),
         ("support", SIZES, Plan::support(VIEWS)),
-        ("support from photos", SIZES, Plan::from_photos(VIEWS)),
         ("support without images: farthest", SIZES.without_images(), Plan::support(VIEWS)),
         (
             "diversity, movement costs 0.3",

@@ -64,7 +64,7 @@ pub const SCHEMES: [fn(usize) -> Plan; 9] = [
     |budget| Plan::single(Objective::Texture, budget),
     Plan::farthest_point,
     Plan::random,
-    Plan::from_photos,
+    Plan::support,
 ];
 
 /// How pixels lie in memory: the numbers that the header and the C interface know.

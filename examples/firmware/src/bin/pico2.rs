@@ -174,7 +174,7 @@ mod bare {
                 store.save(&[]).ok();
                 cortex_m::peripheral::SCB::sys_reset()
             }),
-            None => Session::try_new(lists, pool.iter(), scorer, Plan::from_photos(VIEWS))
+            None => Session::try_new(lists, pool.iter(), scorer, Plan::support(VIEWS))
                 .expect("the memory is made for the plan"),
         };
         guide(&mut session, rig, &mut [], |session, _| {

@@ -140,7 +140,7 @@ mod bare {
         let pool = pool.map_err(|_| fmt::Error)?;
         let scorer = SoarNet::try_new(model, network, Vec3::ZERO, pool.iter());
         let scorer = scorer.map_err(|_| fmt::Error)?;
-        let mut session = Session::try_new(lists, pool.iter(), scorer, Plan::from_photos(VIEWS))
+        let mut session = Session::try_new(lists, pool.iter(), scorer, Plan::support(VIEWS))
             .map_err(|_| fmt::Error)?;
         let mut last = Taken { choose: 0, observe: 0 };
         for view in 0..9 {
