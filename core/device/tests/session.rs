@@ -284,7 +284,7 @@ fn over_the_line(
     model: &'static [u8],
     faults: Faults,
 ) -> Result<Captured, ClientError<Infallible>> {
-    let mut client = Client::new(World::new(model, faults), 17).with_attempts(60);
+    let mut client = Client::new(World::new(model, faults), 17).with_attempts(600);
     let sees = client.status()?.model.unwrap().photos;
     client.open(4, plan(), space())?;
     let (mut taken, mut missed) = (Vec::new(), Vec::new());
