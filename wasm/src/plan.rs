@@ -22,7 +22,8 @@ export type Scheme =
  *  far from all photos so far the next one must be, as a share of the distance that the farthest candidate
  *  has; only what asks for gains minds it. `stop` ends the session after `patience` choices in a row that
  *  promised less than `gain`. `start` and `startViews` say how and how many first views are chosen;
- *  usually 3, farthest from each other. */
+ *  usually 3, farthest from each other. "support" needs a model that looks at photos: with another it takes
+ *  the farthest. */
 export type Plan = {
   scheme: Scheme; budget: number; seed?: number; movementCost?: number; dispersion?: number;
   stop?: { gain: number; patience: number };

@@ -43,6 +43,7 @@ const FILES: &[(&str, &[u8])] = &[
     ("no-photo/transforms.json", ONE_FRAME),
     ("bad-photo/transforms.json", ONE_FRAME),
     ("bad-photo/photo.png", b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR"),
+    ("poses.model", include_bytes!("../../lab/models/soarnet-poses.model")),
 ];
 
 const ONE_FRAME: &[u8] = br#"{"fl_x": 50, "frames": [{"file_path": "photo.png", "transform_matrix":
@@ -76,6 +77,10 @@ const CHECKS: &[Check] = &[
     Check { call: "plan --budget 101", expect: Refusal("larger than the 100 candidates") },
     Check { call: "plan --candidates 0", expect: Refusal("at least one view") },
     Check { call: "plan --scheme best", expect: Refusal("no scheme `best`") },
+    Check {
+        call: "plan ball --scheme soarnet-support --model {in}/poses.model",
+        expect: Refusal("needs a model that looks at photos"),
+    },
     Check { call: "plan --movement-cost nan", expect: Refusal("movement cost must lie between 0 and 1") },
     Check { call: "plan --size 0 --out {out}/plan", expect: Refusal("give --size between") },
     Check {

@@ -268,18 +268,9 @@ impl planner::Memory for SessionLists {
 
 impl Memory for NetworkLists {
     fn lists(&self) -> Lists<'_> {
-        let lists = &self.0;
-        Lists {
-            sums: lists.sums,
-            maxima: lists.maxima,
-            outlooks: lists.outlooks,
-            ranks: lists.ranks,
-            standpoints: lists.standpoints,
-            embeddings: lists.embeddings,
-            sketches: lists.sketches,
-            stances: lists.stances,
-            taken: lists.taken,
-        }
+        let ListsMut { sums, maxima, outlooks, ranks, standpoints, .. } = &self.0;
+        let ListsMut { embeddings, sketches, stances, taken, .. } = &self.0;
+        Lists { sums, maxima, outlooks, ranks, standpoints, embeddings, sketches, stances, taken }
     }
 
     fn lists_mut(&mut self) -> ListsMut<'_> {

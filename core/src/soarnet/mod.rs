@@ -11,7 +11,7 @@
 //! image, features   what the network is told: a window of a photo; poses and counts
 //! model             the file of a network, read in place
 //! encoder, heads    the layers
-//! hull, outlook     what outlines tell: the object's hull, and what a candidate would see of it
+//! hull, rays, outlook  what outlines tell: the object's hull, and what a candidate would see of it
 //! support           the same: what a candidate would be to later views
 //! SoarNet           the scorer for a session; its memory is the caller's
 //! ```
@@ -63,6 +63,7 @@ mod image;
 mod memory;
 mod model;
 mod outlook;
+mod rays;
 mod scorer;
 mod support;
 

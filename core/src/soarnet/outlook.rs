@@ -34,9 +34,9 @@ use glam::Vec3;
 use super::features::{Direction, Stance};
 use super::hull::{Bounds, Camera, Hull};
 use super::image::{COVER, DETAIL};
+use super::rays::{Rays, fixed};
 use super::support::{self, Seen, Standpoint};
 use crate::math;
-use crate::objectives::inlier_weight;
 
 /// Numbers of an outlook.
 pub const OUTLOOK: usize = 8;
@@ -71,50 +71,6 @@ impl Spot {
         let towards = eye - self.centre;
         (towards.dot(self.normal) * math::inverse_sqrt(towards.length_squared())).abs()
     }
-}
-
-/// The moments of a spot's rays to cameras, in whole numbers.
-#[derive(Clone, Copy, Debug, Default)]
-struct Rays {
-    count: u32,
-    sums: [i32; 3],    // units of 2^-12
-    squares: [u32; 3], // units of 2^-24
-    inliers: i32,      // sum of psi, units of 2^-16
-    value: f32,        // delta · phi
-}
-
-impl Rays {
-    fn add(&mut self, direction: Vec3, cosine: f32) {
-        self.count += 1;
-        let parts = direction.to_array().map(|part| fixed(part, 4096.0));
-        for ((sum, square), part) in self.sums.iter_mut().zip(&mut self.squares).zip(parts) {
-            *sum += part;
-            *square = square.saturating_add((part * part).unsigned_abs());
-        }
-        self.inliers += fixed(inlier_weight(cosine), 65536.0);
-    }
-
-    /// `3 cbrt(var_x var_y var_z) · mean psi`.
-    fn value(&self) -> f32 {
-        if self.count < 2 {
-            return 0.0;
-        }
-        let share = 1.0 / self.count as f32;
-        let mut product = 1.0;
-        for (&sum, &square) in self.sums.iter().zip(&self.squares) {
-            let spread = i64::from(self.count) * i64::from(square) - i64::from(sum).pow(2);
-            product *= spread as f32 * (share * share / 16_777_216.0);
-        }
-        3.0 * math::cbrt(product) * (self.inliers as f32 * share / 65536.0)
-    }
-}
-
-/// A number in whole units of `1 / units`, halves up.
-fn fixed(value: f32, units: f32) -> i32 {
-    let value = value * units + 0.5;
-    // As `floor(value) as i32`, which takes a call where no instruction rounds down.
-    let towards_zero = value as i32;
-    towards_zero.saturating_sub(i32::from(towards_zero as f32 > value))
 }
 
 /// How a spot is seen from a camera: the direction to it, the cosine of incidence and the weight of
@@ -376,13 +332,13 @@ mod tests {
     use std::vec;
     use std::vec::Vec;
 
-    use glam::DVec3;
     use proptest::prelude::*;
 
     use super::super::hull::tests::{
         Ball, any_sketch, any_stance, cases, hull_of, sheet, sketch_of, stances,
     };
     use super::super::image::SKETCH;
+    use super::super::rays::tests::{diversity, double};
     use super::*;
     use crate::pose::Pose;
 
@@ -439,18 +395,6 @@ mod tests {
 
     fn directions(count: usize) -> Vec<Direction> {
         stances(count).iter().map(|stance| stance.direction).collect()
-    }
-
-    #[test]
-    fn fixed_numbers_are_rounded_down_after_a_half_is_added() {
-        let wide = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 3e9, -3e9, 2147483520.0, -0.0];
-        let near = (-2000..2000).map(|at| at as f32 / 256.0);
-        for value in near.flat_map(|at| [at.next_down(), at, at.next_up()]).chain(wide) {
-            for units in [1.0, 256.0, 65_536.0] {
-                let expected = (value * units + 0.5).floor() as i32;
-                assert_eq!(fixed(value, units), expected, "{value} {units}");
-            }
-        }
     }
 
     #[test]
@@ -542,24 +486,6 @@ mod tests {
         let mut form = carved(&photos);
         form.survey(core::iter::empty(), |_, _| ());
         assert!(form.spots.iter().all(|spot| spot.slant == 1.0));
-    }
-
-    /// Eq. D of rays to cameras, in double precision.
-    fn diversity(rays: &[(DVec3, f64)]) -> f64 {
-        let count = rays.len() as f64;
-        let mean = rays.iter().map(|(ray, _)| *ray).sum::<DVec3>() / count;
-        let variance =
-            rays.iter().map(|(ray, _)| (*ray - mean) * (*ray - mean)).sum::<DVec3>() / count;
-        let weight = |cosine: f64| {
-            let theta = cosine.clamp(-1.0, 1.0).acos().to_degrees() - 90.0;
-            1.0 - 1.0 / (1.0 + (-theta - 10.0).exp())
-        };
-        let inliers = rays.iter().map(|(_, cosine)| weight(*cosine)).sum::<f64>() / count;
-        3.0 * (variance.x * variance.y * variance.z).cbrt() * inliers
-    }
-
-    fn double(v: Vec3) -> DVec3 {
-        DVec3::new(v.x.into(), v.y.into(), v.z.into())
     }
 
     #[test]
@@ -710,23 +636,6 @@ mod tests {
 
     proptest! {
         #![proptest_config(cases(24))]
-
-        #[test]
-        fn moments_of_rays_are_their_plain_definition(
-            rays in prop::collection::vec(any_stance(), 0..40),
-        ) {
-            let (mut moments, mut plain) = (Rays::default(), Vec::new());
-            for ray in &rays {
-                let ray = ray.direction.vector().normalize();
-                moments.add(ray, ray.z);
-                plain.push((double(ray), f64::from(ray.z)));
-                let expected = if plain.len() < 2 { 0.0 } else { diversity(&plain) };
-                let got = f64::from(moments.value());
-                // A cube root has no bound where one variance is near nothing.
-                let narrow = plain.len() < 4;
-                prop_assert!((got - expected).abs() < if narrow { 0.02 } else { 1e-3 }, "{got} {expected}");
-            }
-        }
 
         #[test]
         fn neither_the_order_of_views_nor_of_candidates_changes_anything(

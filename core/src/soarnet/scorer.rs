@@ -400,7 +400,8 @@ impl<M: Memory> Scorer for SoarNet<'_, M> {
         fixed as f32 / (self.views as f32 * (1u64 << 32) as f32)
     }
 
-    /// What a photo of this candidate would add to L: see `support.rs`. 0 for a network without images.
+    /// What a photo of this candidate would add to `F` of `support.rs`, which is at most 2.5. 0 for a
+    /// network without images.
     fn support(&self, index: usize, _pose: &Pose) -> f32 {
         let standpoint = self.memory.lists().standpoints.get(index);
         standpoint.filter(|_| index < self.candidates).map_or(0.0, |standpoint| standpoint.gain)

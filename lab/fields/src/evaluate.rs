@@ -123,7 +123,7 @@ pub fn run(args: &EvaluateArgs) -> Result<()> {
     subject::check(&schemes, &objects)?;
     let poses = args.pool.poses()?;
     check(args, poses.len())?;
-    let networks = networks_of(args, &schemes)?;
+    let networks = args.model.networks(&schemes)?;
     let settings = settings_of(args)?;
     settings.recipe.check()?;
     let side = settings.photo_side;
@@ -262,17 +262,6 @@ fn settings_of(args: &EvaluateArgs) -> Result<Settings> {
 fn draws(args: &EvaluateArgs) -> bool {
     let space = args.pool.space.unwrap_or(Space::Sphere);
     !args.same_candidates && args.pool.pool.is_none() && space == Space::Sphere
-}
-
-/// The networks that the schemes ask.
-fn networks_of(args: &EvaluateArgs, schemes: &[String]) -> Result<Vec<(scheme::Network, Network)>> {
-    let mut networks: Vec<(scheme::Network, Network)> = Vec::new();
-    for (network, _) in schemes.iter().filter_map(|scheme| scheme::network(scheme)) {
-        if !networks.iter().any(|(known, _)| *known == network) {
-            networks.push((network, args.model.open(network)?));
-        }
-    }
-    Ok(networks)
 }
 
 /// All runs of one object, each once.

@@ -15,10 +15,12 @@ struct Cli {
 }
 
 fn sweep(out: &Path, schemes: &str, jobs: &str) -> anyhow::Result<()> {
+    sweep_of(&["ball"], out, schemes, jobs)
+}
+
+fn sweep_of(objects: &[&str], out: &Path, schemes: &str, jobs: &str) -> anyhow::Result<()> {
     let out = out.to_str().unwrap();
     let words = [
-        "evaluate",
-        "ball",
         "--field",
         "plenoxels",
         "--steps",
@@ -38,6 +40,7 @@ fn sweep(out: &Path, schemes: &str, jobs: &str) -> anyhow::Result<()> {
         "--out",
         out,
     ];
+    let words = ["evaluate"].iter().chain(objects).chain(&words);
     evaluate::run(&Cli::parse_from(words).evaluate)
 }
 
@@ -89,4 +92,21 @@ fn what_is_missing_is_done_and_nothing_else() {
     let report = fs::read_to_string(out.join("report.html")).unwrap();
     assert!(report.contains("fibonacci") && report.contains("no weights"));
     assert_eq!(fs::read_to_string(out.join("runs.csv")).unwrap().lines().count(), 11);
+}
+
+#[test]
+fn objects_and_seeds_draw_candidates_of_their_own_unless_told_otherwise() {
+    let home = tempfile::tempdir().unwrap();
+    // Farthest points depend on candidates and seed alone.
+    let views = |options: &[&str]| {
+        let out = home.path().join(format!("sweep{}", options.len()));
+        sweep_of(&[&["ball", "knot"], options].concat(), &out, "fps", "2").unwrap();
+        let runs = runs(&out).into_iter().filter(|(_, run, _)| run.budget == 5);
+        runs.map(|(_, run, _)| run.views.unwrap()).collect::<Vec<_>>()
+    };
+    let [ball_0, ball_1, knot_0, knot_1] = &views(&["--same-candidates"])[..] else { panic!() };
+    assert_eq!((ball_0, ball_1), (knot_0, knot_1));
+    assert_ne!(ball_0, ball_1);
+    let [ball_0, ball_1, knot_0, knot_1] = &views(&[])[..] else { panic!() };
+    assert!(ball_0 != knot_0 && ball_1 != knot_1 && ball_0 != ball_1);
 }

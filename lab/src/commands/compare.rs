@@ -117,7 +117,7 @@ pub fn compare(args: &CompareArgs) -> Result<(ComparisonRecord, usize)> {
     scheme::plan("e", most, 0).context("the ensemble")?.check(poses.len())?;
 
     let camera = args.score.camera()?;
-    let networks = networks_of(args)?;
+    let networks = args.model.networks(&args.schemes)?;
     let comparison = Comparison { args, poses: &poses, camera: &camera, most, networks };
 
     let bar = super::progress("comparing", objects.len() * comparison.views_labelled());
@@ -160,17 +160,6 @@ pub fn compare(args: &CompareArgs) -> Result<(ComparisonRecord, usize)> {
         metrics,
     };
     Ok((record, failed))
-}
-
-/// The networks that the schemes ask.
-fn networks_of(args: &CompareArgs) -> Result<Vec<(scheme::Network, Network)>> {
-    let mut networks: Vec<(scheme::Network, Network)> = Vec::new();
-    for (network, _) in args.schemes.iter().filter_map(|scheme| scheme::network(scheme)) {
-        if !networks.iter().any(|(known, _)| *known == network) {
-            networks.push((network, args.model.open(network)?));
-        }
-    }
-    Ok(networks)
 }
 
 /// Names of the first objects of a data set's test split.

@@ -84,11 +84,35 @@ pub struct ModelArgs {
 impl ModelArgs {
     /// The network that a scheme asks, if it asks one.
     fn network_of(&self, scheme: &str) -> Result<Option<Network>> {
-        scheme::network(scheme).map(|(network, _)| self.open(network)).transpose()
+        scheme::network(scheme).map(|(network, plan)| self.open_for(network, plan)).transpose()
+    }
+
+    /// The networks that schemes ask, each once.
+    pub fn networks(&self, schemes: &[String]) -> Result<Vec<(scheme::Network, Network)>> {
+        let mut networks: Vec<(scheme::Network, Network)> = Vec::new();
+        for (network, plan) in schemes.iter().filter_map(|scheme| scheme::network(scheme)) {
+            let opened = self.open_for(network, plan)?;
+            if !networks.iter().any(|(known, _)| *known == network) {
+                networks.push((network, opened));
+            }
+        }
+        Ok(networks)
+    }
+
+    /// The network of that kind, for the scheme that it would be with exact gains.
+    fn open_for(&self, network: scheme::Network, plan: &str) -> Result<Network> {
+        let opened = self.open(network)?;
+        if plan == "support" && !opened.sees()? {
+            bail!(
+                "{}-support needs a model that looks at photos: give another --model",
+                network.name()
+            );
+        }
+        Ok(opened)
     }
 
     /// The network of that kind.
-    pub fn open(&self, network: scheme::Network) -> Result<Network> {
+    fn open(&self, network: scheme::Network) -> Result<Network> {
         match (network, &self.model, &self.poses_model) {
             (scheme::Network::Soarnet, Some(file), _) => Network::open(file),
             (scheme::Network::Soarnet, None, _) => Ok(Network::shipped()),
