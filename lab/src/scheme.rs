@@ -1,10 +1,12 @@
 //! The schemes by the names that the command line knows.
 //!
-//! `NAME@SHARE` is the same with another least distance from the views so far: see
-//! [`Plan::with_dispersion`].
+//! Three things may follow a name, in this order: `@SHARE`, another least distance from the views so
+//! far ([`Plan::with_dispersion`]); `+move=COST`, a price on moving the camera
+//! ([`Plan::with_movement_cost`]); `+stop=GAIN`, an end before the budget is spent
+//! ([`Plan::with_stop`], its patience as in [`Stop::default`]).
 
 use vantage_core::Objective;
-use vantage_core::planner::{Plan, Scheme};
+use vantage_core::planner::{Plan, Scheme, Stop};
 
 /// Every name, with what it stands for.
 pub const SCHEMES: [(&str, &str); 24] = [
@@ -36,8 +38,8 @@ pub const SCHEMES: [(&str, &str); 24] = [
 
 /// The plan of a scheme, or `None` for a name that is none.
 pub fn plan(name: &str, budget: usize, seed: u64) -> Option<Plan> {
-    let (name, dispersion) = parts(name)?;
-    let plan = match network(name).map_or(name, |(_, plan)| plan) {
+    let Parts { base, share, cost, stop } = parts(name)?;
+    let plan = match network(base).map_or(base, |(_, plan)| plan) {
         "e" => Plan::ensemble(budget),
         "e-literal" => Plan::literal_ensemble(budget),
         "c" => Plan::single(Objective::Coverage, budget),
@@ -51,19 +53,39 @@ pub fn plan(name: &str, budget: usize, seed: u64) -> Option<Plan> {
         "random" => Plan::random(budget),
         _ => return None,
     };
-    let plan = dispersion.map_or(plan, |share| plan.with_dispersion(share));
+    let plan = share.map_or(plan, |share| plan.with_dispersion(share));
+    let plan = cost.map_or(plan, |cost| plan.with_movement_cost(cost));
+    let plan = stop.map_or(plan, |gain| plan.with_stop(Stop { gain, ..Stop::default() }));
     Some(plan.with_seed(seed))
 }
 
-/// A name without its least distance, and that distance if there is one.
-fn parts(name: &str) -> Option<(&str, Option<f32>)> {
-    match name.split_once('@') {
-        None => Some((name, None)),
-        Some((name, share)) => {
-            let share = share.parse().ok().filter(|share| (0.0..=1.0).contains(share))?;
-            Some((name, Some(share)))
-        }
-    }
+/// A scheme's name, and what follows it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Parts<'a> {
+    base: &'a str,
+    share: Option<f32>,
+    cost: Option<f32>,
+    stop: Option<f32>,
+}
+
+/// `None` if what follows the name cannot be read or is out of range.
+fn parts(name: &str) -> Option<Parts<'_>> {
+    let (rest, stop) = cut(name, "+stop=", f32::MAX)?;
+    let (rest, cost) = cut(rest, "+move=", 1.0)?;
+    let (base, share) = cut(rest, "@", 1.0)?;
+    Some(Parts { base, share, cost, stop })
+}
+
+/// What stands before a mark, and the number from 0 to `most` behind it, if the mark is there.
+fn cut<'a>(text: &'a str, mark: &str, most: f32) -> Option<(&'a str, Option<f32>)> {
+    let Some((before, number)) = text.split_once(mark) else { return Some((text, None)) };
+    let number = number.parse().ok().filter(|number| (0.0..=most).contains(number))?;
+    Some((before, Some(number)))
+}
+
+/// Whether a plan of the scheme may end before its budget is spent.
+pub fn stops(name: &str) -> bool {
+    parts(name).is_some_and(|parts| parts.stop.is_some())
 }
 
 /// The scheme that is greedy on one objective: its exact oracle.
@@ -83,7 +105,7 @@ pub fn needs_support(name: &str) -> bool {
 
 /// Whether a scheme can choose by poses alone: without a mesh and without a network.
 pub fn needs_poses_only(name: &str) -> bool {
-    let base = parts(name).map(|(base, _)| base);
+    let base = parts(name).map(|parts| parts.base);
     matches!(base, Some("fps" | "pc-fps" | "random"))
 }
 
@@ -122,9 +144,9 @@ impl Network {
 
 /// The network that a scheme asks, and the scheme that it would be with exact gains.
 pub fn network(name: &str) -> Option<(Network, &str)> {
-    let (name, _) = parts(name)?;
+    let Parts { base, .. } = parts(name)?;
     [Network::Poses, Network::Soarnet].into_iter().find_map(|network| {
-        let rest = name.strip_prefix(network.name())?;
+        let rest = base.strip_prefix(network.name())?;
         let plan = if rest.is_empty() { "e" } else { rest.strip_prefix('-')? };
         let known = matches!(plan, "e" | "c" | "q" | "d" | "t" | "sum")
             || (plan == "support" && network == Network::Soarnet);
@@ -139,15 +161,15 @@ pub const ORACLE: &str = "oracle";
 pub fn unknown(name: &str) -> String {
     let names: Vec<&str> = SCHEMES.iter().map(|(name, _)| *name).collect();
     format!(
-        "there is no scheme `{name}`: choose one of {}, or one of these and @SHARE (0 to 1), the least \
-         distance from the views so far",
+        "there is no scheme `{name}`: choose one of {}; behind it may stand @SHARE (0 to 1), the least \
+         distance from the views so far, +move=COST (0 to 1) and +stop=GAIN (0 or more), in this order",
         names.join(", ")
     )
 }
 
 /// What a scheme is, in words.
 pub fn describe(name: &str) -> &str {
-    let (base, _) = parts(name).unwrap_or((name, None));
+    let base = parts(name).map_or(name, |parts| parts.base);
     SCHEMES.iter().find(|(known, _)| *known == base).map_or(name, |(_, words)| words)
 }
 
@@ -175,7 +197,13 @@ mod tests {
             Some(Plan::ensemble(5).with_dispersion(0.25).with_seed(3))
         );
         assert_eq!(network("soarnet-q@1"), Some((Network::Soarnet, "q")));
-        assert!(plan("e@1.1", 5, 0).is_none() && plan("e@", 5, 0).is_none());
+        let stop = Stop { gain: 0.02, ..Stop::default() };
+        let priced = Plan::support(5).with_movement_cost(0.5).with_stop(stop);
+        assert_eq!(plan("soarnet-support+move=0.5+stop=0.02", 5, 0), Some(priced));
+        for name in ["e@1.1", "e@", "e+move=2", "e+move=", "e+stop=-1", "e+stop=1+move=1", "e+2"] {
+            assert!(plan(name, 5, 0).is_none(), "{name}");
+        }
+        assert!(stops("e@0.5+stop=0.02") && !stops("e+move=0.5"));
         assert!(!needs_support("soarnet-support") && network("soarnet-poses-support").is_none());
         assert!(needs_support("support@0.3") && !needs_support("fps") && !needs_support("best"));
         assert!(needs_poses_only("fps@0.5") && !needs_poses_only("e"));

@@ -33,6 +33,7 @@ use vantage_lab::render::Renderer;
 use crate::metrics::psnr;
 use crate::photos::{Photos, test_circle};
 use crate::recipe::{Kind, Preset, Recipe};
+use crate::results::{Kept, Study, command, name_of};
 use crate::train::Trainer;
 
 /// Test views, half of them to search by and half to measure by.
@@ -66,6 +67,9 @@ pub struct CeilingArgs {
     /// Searches side by side, each on one thread [default: the processor's cores]
     #[arg(long, value_name = "J")]
     pub jobs: Option<usize>,
+    /// Add what was found to a file from which `results` writes its page
+    #[arg(long, value_name = "FILE")]
+    pub keep: Option<PathBuf>,
     /// Folder of the searches; an interrupted one continues
     #[arg(long, short, value_name = "DIR")]
     pub out: PathBuf,
@@ -78,13 +82,29 @@ struct Trial {
     psnr: f64,
 }
 
-/// What a search found; decibels.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Found {
-    start: f64,
-    best: f64,
-    start_elsewhere: f64,
-    best_elsewhere: f64,
+/// What a search found; PSNR in dB.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Search {
+    /// As it was named.
+    pub object: String,
+    /// Views.
+    pub budget: usize,
+    /// Fields that were trained.
+    pub fits: usize,
+    /// Of farthest-point sampling and of the best views, on the test views of the search.
+    pub searched: [f64; 2],
+    /// The same on the other test views, with another seed of the field.
+    pub others: [f64; 2],
+}
+
+impl Kept for Search {
+    fn kept(&self) -> Self {
+        Self { object: name_of(&self.object), ..self.clone() }
+    }
+
+    fn is_again(&self, other: &Self) -> bool {
+        (self.object.as_str(), self.budget) == (other.object.as_str(), other.budget)
+    }
 }
 
 /// Searches, and prints what was found.
@@ -123,7 +143,7 @@ pub fn run(args: &CeilingArgs) -> Result<()> {
         "{elapsed_precise} {wide_bar} {pos}/{len} fits, {eta} left",
     )?);
     let next = AtomicUsize::new(0);
-    let done: Mutex<Vec<(usize, Result<Found>)>> = Mutex::new(Vec::new());
+    let done: Mutex<Vec<(usize, Result<Search>)>> = Mutex::new(Vec::new());
     let jobs = args.jobs.unwrap_or_else(|| thread::available_parallelism().map_or(1, usize::from));
     thread::scope(|scope| {
         for _ in 0..jobs.min(searches.len()) {
@@ -131,7 +151,8 @@ pub fn run(args: &CeilingArgs) -> Result<()> {
                 loop {
                     let place = next.fetch_add(1, Ordering::Relaxed);
                     let Some(&(object, budget)) = searches.get(place) else { break };
-                    let found = search(args, &recipe, &poses, object, budget, &bar);
+                    let found = search(args, &recipe, &poses, object, budget, &bar)
+                        .with_context(|| format!("{object} cannot be searched"));
                     done.lock().unwrap_or_else(|poison| poison.into_inner()).push((place, found));
                 }
             });
@@ -140,24 +161,54 @@ pub fn run(args: &CeilingArgs) -> Result<()> {
     bar.finish_and_clear();
     let mut done = done.into_inner().unwrap_or_else(|poison| poison.into_inner());
     done.sort_by_key(|(place, _)| *place);
-    println!(
-        "PSNR in dB of farthest-point sampling and of what {} fits found, on the test views of the \
-         search and on others:\n\n{:<24} {:>6} {:>15} {:>15} {:>8}",
-        args.fits, "object", "budget", "searched", "others", "gain"
+    let mut searches = Vec::new();
+    for (_, found) in done {
+        searches.push(found?);
+    }
+    if let Some(file) = &args.keep {
+        Study::keep(file, &command(), &searches)?;
+    }
+    print!("{}", table(&searches));
+    Ok(())
+}
+
+/// What was found as text of fixed width.
+fn table(searches: &[Search]) -> String {
+    let mut text = format!(
+        "PSNR in dB of farthest-point sampling and of what a search found, on its test views and on \
+         others:\n\n{:<24} {:>6} {:>6} {:>15} {:>15} {:>8}\n",
+        "object", "budget", "fits", "searched", "others", "gain"
     );
-    for (place, found) in done {
-        let (object, budget) = searches[place];
-        let found = found.with_context(|| format!("{object} cannot be searched"))?;
-        println!(
-            "{object:<24} {budget:>6} {:>6.2} -> {:>5.2} {:>6.2} -> {:>5.2} {:>+8.2}",
-            found.start,
-            found.best,
-            found.start_elsewhere,
-            found.best_elsewhere,
-            found.best_elsewhere - found.start_elsewhere
+    for Search { object, budget, fits, searched, others } in searches {
+        text += &format!(
+            "{object:<24} {budget:>6} {fits:>6} {:>6.2} -> {:>5.2} {:>6.2} -> {:>5.2} {:>+8.2}\n",
+            searched[0],
+            searched[1],
+            others[0],
+            others[1],
+            others[1] - others[0]
         );
     }
-    Ok(())
+    text
+}
+
+/// What was found as a table of Markdown.
+pub fn markdown(searches: &[Search]) -> String {
+    let mut text = "| object | B | fits | farthest points, found: test views of the search | \
+                    other test views | gain there |\n|---|---|---|---|---|---|\n"
+        .to_owned();
+    for Search { object, budget, fits, searched, others } in searches {
+        text += &format!(
+            "| {} | {budget} | {fits} | {:.2}, {:.2} | {:.2}, {:.2} | {:+.2} |\n",
+            object.replace('_', " "),
+            searched[0],
+            searched[1],
+            others[0],
+            others[1],
+            others[1] - others[0]
+        );
+    }
+    text
 }
 
 /// Makes the folder, or checks that it holds searches of the same settings.
@@ -186,7 +237,7 @@ fn search(
     name: &str,
     budget: usize,
     bar: &ProgressBar,
-) -> Result<Found> {
+) -> Result<Search> {
     let object = Object::open(Some(name), args.object_seed)?;
     let renderer = Renderer::new(&object.mesh);
     let side = args.preset.photo_side();
@@ -239,11 +290,12 @@ fn search(
         }
     }
     let best = best.context("nothing was tried")?;
-    Ok(Found {
-        start: trials.known[0].psnr,
-        best: best.psnr,
-        start_elsewhere: fit(&start, 1, &others)?,
-        best_elsewhere: fit(&best.views, 1, &others)?,
+    Ok(Search {
+        object: name.to_owned(),
+        budget,
+        fits: args.fits,
+        searched: [trials.known[0].psnr, best.psnr],
+        others: [fit(&start, 1, &others)?, fit(&best.views, 1, &others)?],
     })
 }
 

@@ -30,7 +30,7 @@ use crate::page;
 use crate::photos::{Photos, Picture, test_circle, test_wave};
 use crate::plans::{self, Views};
 use crate::recipe::{Kind, Preset, Recipe};
-use crate::results::{Study, name_of};
+use crate::results::{Study, command, name_of};
 use crate::runs::{Run, Settings, Store, csv};
 use crate::subject::{self, Photographed, Rendered, Subject, scenes_in};
 use crate::summary::{self, Summary, summarise};
@@ -45,7 +45,9 @@ pub struct EvaluateArgs {
     pub objects: Vec<String>,
     /// Schemes, separated by commas: those of `plan`, e-exact (the same as e), fibonacci (an even
     /// lattice, not from the candidates), best-of-4-random and optimal-cqdt (the best in hindsight),
-    /// activenerf (ActiveNeRF at a small size; it trains a network to choose: a minute for 20 views)
+    /// activenerf (ActiveNeRF at a small size; it trains a network to choose: a minute for 20 views).
+    /// Behind those of `plan` may stand @SHARE, the least distance from the views so far, +move=COST,
+    /// as --movement-cost of `plan`, and +stop=GAIN, as its --stop: fps+move=0.5
     #[arg(
         long,
         value_delimiter = ',',
@@ -184,19 +186,6 @@ pub fn run(args: &EvaluateArgs) -> Result<()> {
         bail!("{failed} objects were left out");
     }
     Ok(())
-}
-
-/// The command as it was typed, without where things were put.
-fn command() -> String {
-    let mut words = vec!["cargo vantage".to_owned()];
-    let mut rest = std::env::args().skip(1);
-    while let Some(word) = rest.next() {
-        match word.as_str() {
-            "--out" | "-o" | "--keep" | "--jobs" => drop(rest.next()),
-            _ => words.push(word),
-        }
-    }
-    words.join(" ")
 }
 
 /// The schemes by their own names, each once.
@@ -423,6 +412,8 @@ impl Sweep<'_> {
             scheme: wanted.scheme.clone(),
             seed: wanted.seed,
             budget: wanted.budget,
+            photos: Some(views.poses.len()),
+            travel_deg: Some(views.travel_deg()),
             views: views.candidates.clone(),
             psnr: quality.psnr,
             ssim: quality.ssim,

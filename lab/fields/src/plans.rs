@@ -67,6 +67,9 @@ pub fn check(name: &str) -> Result<()> {
         active::NAME,
         others.join(", ")
     );
+    if let Some(plan) = scheme::plan(name, 1, 0) {
+        plan.check(1).with_context(|| format!("the scheme {name}"))?;
+    }
     Ok(())
 }
 
@@ -82,14 +85,28 @@ pub struct Views {
 }
 
 impl Views {
-    /// Of a plan for more views, what the plan of a smaller budget is: every scheme is greedy.
+    /// Of a plan for more views, what the plan of a smaller budget is: every scheme is greedy. A plan
+    /// that ended before has no more views than it has.
     pub fn first(&self, budget: usize) -> Self {
+        let budget = budget.min(self.poses.len());
         Self {
             poses: self.poses[..budget].to_vec(),
             candidates: self.candidates.as_ref().map(|all| all[..budget].to_vec()),
             seconds: self.seconds[..budget].to_vec(),
         }
     }
+
+    /// How far the camera goes from view to view around the origin, in order, degrees.
+    pub fn travel_deg(&self) -> f64 {
+        let leg = |leg: &[Pose]| leg[0].position().angle_between(leg[1].position());
+        self.poses.windows(2).map(|two| f64::from(leg(two).to_degrees())).sum()
+    }
+}
+
+/// Fails if a plan has fewer views than were asked for, unless its scheme may stop.
+pub fn check_length(name: &str, views: usize, budget: usize) -> Result<()> {
+    ensure!(views >= budget || scheme::stops(name), "{name} chose {views} views of {budget}");
+    Ok(())
 }
 
 /// Plans for one object.
@@ -132,7 +149,7 @@ impl<'a> Planner<'a> {
             }
             None => self.labelled.run(plan, || {})?,
         };
-        ensure!(steps.len() >= budget, "{name} chose {} views of {budget}", steps.len());
+        check_length(name, steps.len(), budget)?;
         Ok(Views {
             poses: steps.iter().map(|step| step.next.pose).collect(),
             candidates: Some(steps.iter().map(|step| step.next.index).collect()),

@@ -10,6 +10,8 @@
 //! | `{{against STUDY BASELINE}}` | paired differences of PSNR from a baseline, with intervals |
 //! | `{{objects STUDY BUDGET}}` | PSNR of each object and scheme at a budget |
 //! | `{{classes STUDY}}` | PSNR of each class, means over all budgets, beside the paper's |
+//! | `{{ceiling STUDY}}` | what searches of `ceiling --keep FILE` found |
+//! | `{{travel STUDY}}` | photos taken, degrees of travel from the first to the last |
 //! | `{{times STUDY}}` | seconds of planning and of training |
 
 use std::collections::BTreeMap;
@@ -19,8 +21,10 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
+use crate::ceiling::{self, Search};
 use crate::plans;
 use crate::runs::{Run, write_whole};
 use crate::summary::{Estimate, Summary, summarise};
@@ -45,16 +49,36 @@ pub fn run(args: &ResultsArgs) -> Result<()> {
     Ok(())
 }
 
-/// Runs of one question.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Study {
-    /// The commands that made them, first to last.
-    pub commands: Vec<String>,
-    /// In the order in which they were kept; without their views.
-    pub runs: Vec<Run>,
+/// What a study is made of.
+pub trait Kept: Clone + Serialize + DeserializeOwned {
+    /// As it is kept.
+    fn kept(&self) -> Self;
+
+    /// Whether another one answers the same.
+    fn is_again(&self, other: &Self) -> bool;
 }
 
-impl Study {
+impl Kept for Run {
+    fn kept(&self) -> Self {
+        Self { object: name_of(&self.object), views: None, ..self.clone() }
+    }
+
+    fn is_again(&self, other: &Self) -> bool {
+        (self.object.as_str(), self.scheme.as_str()) == (&other.object, &other.scheme)
+            && (self.seed, self.budget) == (other.seed, other.budget)
+    }
+}
+
+/// Runs of one question.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Study<T> {
+    /// The commands that made them, first to last.
+    pub commands: Vec<String>,
+    /// In the order in which they were kept.
+    pub runs: Vec<T>,
+}
+
+impl<T: Kept> Study<T> {
     /// Reads a file.
     pub fn open(path: &Path) -> Result<Self> {
         let text = fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
@@ -62,15 +86,17 @@ impl Study {
             .with_context(|| format!("{} is no study: name another file", path.display()))
     }
 
-    /// Adds runs to a file, which need not exist; those of the same object, scheme, seed and budget are
-    /// replaced.
-    pub fn keep(path: &Path, command: &str, runs: &[Run]) -> Result<()> {
-        let mut study = if path.exists() { Self::open(path)? } else { Self::default() };
+    /// Adds runs to a file, which need not exist; those that answer the same are replaced.
+    pub fn keep(path: &Path, command: &str, runs: &[T]) -> Result<()> {
+        let mut study = if path.exists() {
+            Self::open(path)?
+        } else {
+            Self { commands: Vec::new(), runs: Vec::new() }
+        };
         if !study.commands.iter().any(|known| known == command) {
             study.commands.push(command.to_owned());
         }
-        for run in runs {
-            let run = Run { object: name_of(&run.object), views: None, ..run.clone() };
+        for run in runs.iter().map(Kept::kept) {
             match study.runs.iter_mut().find(|known| known.is_again(&run)) {
                 Some(known) => *known = run,
                 None => study.runs.push(run),
@@ -83,7 +109,9 @@ impl Study {
         let text = format!("{{\"commands\":{commands},\"runs\":[\n{}\n]}}\n", runs.join(",\n"));
         write_whole(path, text.as_bytes())
     }
+}
 
+impl Study<Run> {
     fn summary(&self) -> Summary {
         summarise(&self.runs, &self.schemes(), &self.budgets())
     }
@@ -108,6 +136,19 @@ impl Study {
     }
 }
 
+/// The command as it was typed, without where things were put.
+pub fn command() -> String {
+    let mut words = vec!["cargo vantage".to_owned()];
+    let mut rest = std::env::args().skip(1);
+    while let Some(word) = rest.next() {
+        match word.as_str() {
+            "--out" | "-o" | "--keep" | "--jobs" => drop(rest.next()),
+            _ => words.push(word),
+        }
+    }
+    words.join(" ")
+}
+
 /// A file's stem, or the name of what is no file.
 pub fn name_of(object: &str) -> String {
     let stem = Path::new(object).file_stem().filter(|_| object.contains('.'));
@@ -119,7 +160,7 @@ pub fn page(folder: &Path) -> Result<String> {
     let path = folder.join("page.md");
     let text =
         fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
-    let mut studies: BTreeMap<String, (Study, Summary)> = BTreeMap::new();
+    let mut studies: BTreeMap<String, (Study<Run>, Summary)> = BTreeMap::new();
     let mut page = String::new();
     for line in text.lines() {
         let Some(mark) = line.strip_prefix("{{").and_then(|rest| rest.strip_suffix("}}")) else {
@@ -131,14 +172,20 @@ pub fn page(folder: &Path) -> Result<String> {
         let Some(&name) = words.get(1) else {
             bail!("{}: the mark {line} names no study", path.display());
         };
+        let file = folder.join(name).with_extension("json");
+        if words[0] == "ceiling" {
+            let study = Study::<Search>::open(&file)?;
+            let _ = write!(page, "{}\n{}", commands(&study), ceiling::markdown(&study.runs));
+            continue;
+        }
         if !studies.contains_key(name) {
-            let study = Study::open(&folder.join(name).with_extension("json"))?;
+            let study = Study::open(&file)?;
             let summary = study.summary();
             studies.insert(name.to_owned(), (study, summary));
         }
         let (study, summary) = &studies[name];
         page += &match words.as_slice() {
-            ["command", _] => format!("```sh\n{}\n```\n", study.commands.join("\n")),
+            ["command", _] => commands(study),
             ["quality", _] => quality(summary),
             ["against", _, baseline] => against(summary, baseline),
             ["objects", _, budget] => {
@@ -146,11 +193,16 @@ pub fn page(folder: &Path) -> Result<String> {
                 of_objects(study, budget)
             }
             ["classes", _] => classes(study),
+            ["travel", _] => travel(summary),
             ["times", _] => times(summary),
             _ => bail!("{}: there is no mark {line}", path.display()),
         };
     }
     Ok(page)
+}
+
+fn commands<T>(study: &Study<T>) -> String {
+    format!("```sh\n{}\n```\n", study.commands.join("\n"))
 }
 
 fn cell(estimate: &Estimate, decimals: usize, sign: bool) -> String {
@@ -210,7 +262,7 @@ fn against(summary: &Summary, baseline: &str) -> String {
     })
 }
 
-fn of_objects(study: &Study, budget: usize) -> String {
+fn of_objects(study: &Study<Run>, budget: usize) -> String {
     let schemes = study.schemes();
     let mut objects: Vec<&str> = study.runs.iter().map(|run| run.object.as_str()).collect();
     objects.sort_unstable();
@@ -268,7 +320,7 @@ const PAPER: [(&str, [f64; 3]); 18] = [
 /// The schemes of the paper's columns.
 const COLUMNS: [&str; 3] = ["random", "e", "optimal-cqdt"];
 
-fn classes(study: &Study) -> String {
+fn classes(study: &Study<Run>) -> String {
     let schemes = COLUMNS.map(str::to_owned);
     let budgets = study.budgets();
     let mean_of = |object: &str| -> Option<[f64; 3]> {
@@ -309,6 +361,13 @@ fn classes(study: &Study) -> String {
     text
 }
 
+fn travel(summary: &Summary) -> String {
+    by_budget(summary, "photos, degrees of travel", |scheme, budget| {
+        let row = summary.rows.iter().find(|row| row.scheme == scheme && row.budget == budget)?;
+        Some(format!("{:.1}, {:.0}", row.photos?, row.travel_deg?))
+    })
+}
+
 fn times(summary: &Summary) -> String {
     by_budget(summary, "seconds of planning, of training", |scheme, budget| {
         let row = summary.rows.iter().find(|row| row.scheme == scheme && row.budget == budget)?;
@@ -339,21 +398,25 @@ mod tests {
 
     #[test]
     fn marks_become_tables() {
-        let home =
-            folder_of("Title\n{{command small}}\n{{against small random}}\n{{objects small 6}}\n");
+        let home = folder_of(
+            "Title\n{{command small}}\n{{against small random}}\n{{objects small 6}}\n\
+                       {{travel small}}\n",
+        );
         let page = page(home.path()).unwrap();
         let expected = "Title\n```sh\nfirst\nsecond\n```\n\
             | PSNR less that of random, dB | B = 6 |\n|---|---|\n\
             | fps | +0.50 [+0.50, +0.50], better on 2 of 2 |\n\
             | PSNR in dB, B = 6 | random | fps |\n|---|---|---|\n\
-            | a | 20.50 | 21.00 |\n| b c | 30.50 | 31.00 |\n";
+            | a | 20.50 | 21.00 |\n| b c | 30.50 | 31.00 |\n\
+            | photos, degrees of travel | B = 6 |\n|---|---|\n\
+            | random | 6.0, 90 |\n| fps | 6.0, 90 |\n";
         assert_eq!(page, expected);
     }
 
     #[test]
     fn runs_are_kept_once_and_without_their_views() {
         let home = folder_of("");
-        let study = Study::open(&home.path().join("small.json")).unwrap();
+        let study = Study::<Run>::open(&home.path().join("small.json")).unwrap();
         assert_eq!(study.runs.len(), 6);
         assert!(study.runs.iter().all(|run| run.views.is_none()));
         assert_eq!(study.commands, ["first", "second"]);

@@ -40,8 +40,14 @@ pub struct Run {
     pub scheme: String,
     /// That of the plan and of the field.
     pub seed: u64,
-    /// Photos.
+    /// Photos, at most.
     pub budget: usize,
+    /// Photos that were taken: fewer where the plan ended before. None in runs of older versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub photos: Option<usize>,
+    /// How far the camera went around the object from photo to photo, degrees. None likewise.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub travel_deg: Option<f64>,
     /// Which candidates they are, in order; none for views that are no candidates.
     pub views: Option<Vec<usize>>,
     /// Mean over the test views, decibels.
@@ -54,14 +60,6 @@ pub struct Run {
     pub planning_seconds: f64,
     /// Seconds that training took, on one thread.
     pub training_seconds: f64,
-}
-
-impl Run {
-    /// Whether another run is of the same object, scheme, seed and budget.
-    pub fn is_again(&self, other: &Self) -> bool {
-        (self.object.as_str(), self.scheme.as_str()) == (&other.object, &other.scheme)
-            && (self.seed, self.budget) == (other.seed, other.budget)
-    }
 }
 
 /// The folder of a sweep.
@@ -180,7 +178,8 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
 /// All runs as a table with a head.
 pub fn csv(runs: &[Run]) -> String {
     let mut text =
-        "object,scheme,seed,budget,views,psnr,ssim,lpips,planning_seconds,training_seconds\n"
+        "object,scheme,seed,budget,photos,travel_deg,views,psnr,ssim,lpips,planning_seconds,\
+         training_seconds\n"
             .to_owned();
     for run in runs {
         // A comma in a name must not start a new column.
@@ -188,10 +187,12 @@ pub fn csv(runs: &[Run]) -> String {
         let views: Vec<String> = run.views.iter().flatten().map(usize::to_string).collect();
         let lpips = run.lpips.map_or("no weights".to_owned(), |value| format!("{value:.5}"));
         text += &format!(
-            "{object},{},{},{},{},{:.4},{:.5},{lpips},{:.4},{:.2}\n",
+            "{object},{},{},{},{},{},{},{:.4},{:.5},{lpips},{:.4},{:.2}\n",
             run.scheme,
             run.seed,
             run.budget,
+            run.photos.map_or(String::new(), |photos| photos.to_string()),
+            run.travel_deg.map_or(String::new(), |degrees| format!("{degrees:.1}")),
             views.join(" "),
             run.psnr,
             run.ssim,
@@ -212,6 +213,8 @@ pub(crate) mod tests {
             scheme: scheme.to_owned(),
             seed,
             budget,
+            photos: Some(budget),
+            travel_deg: Some(90.0),
             views: Some(vec![4, 2]),
             psnr,
             ssim: 0.9,
@@ -259,7 +262,7 @@ pub(crate) mod tests {
     fn without_weights_there_is_no_figure() {
         let text = csv(&[run("a,b", "fps", 1, 6, 21.5)]);
         assert!(
-            text.ends_with("\"a,b\",fps,1,6,4 2,21.5000,0.90000,no weights,0.5000,3.00\n"),
+            text.ends_with("\"a,b\",fps,1,6,6,90.0,4 2,21.5000,0.90000,no weights,0.5000,3.00\n"),
             "{text}"
         );
     }

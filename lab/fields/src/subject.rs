@@ -200,7 +200,7 @@ impl Subject for Photographed<'_> {
             chosen = blind::views(poses, plan)?;
             seconds = vec![start.elapsed().as_secs_f64(); chosen.len()];
         }
-        ensure!(chosen.len() >= budget, "{name} chose {} views of {budget}", chosen.len());
+        plans::check_length(name, chosen.len(), budget)?;
         Ok(Views {
             poses: chosen.iter().map(|&index| poses[index]).collect(),
             candidates: Some(chosen),

@@ -36,6 +36,10 @@ pub struct Row {
     pub ssim: Estimate,
     /// None without weights.
     pub lpips: Option<Estimate>,
+    /// Photos taken, mean over all runs; none if a run does not tell.
+    pub photos: Option<f64>,
+    /// Degrees of travel around the object, likewise.
+    pub travel_deg: Option<f64>,
     /// Mean over all runs.
     pub planning_seconds: f64,
     /// Mean over all runs.
@@ -115,6 +119,9 @@ pub fn summarise(runs: &[Run], schemes: &[String], budgets: &[usize]) -> Summary
                 continue;
             };
             let seconds = |of: fn(&Run) -> f64| mean(all.iter().map(|run| of(run))).unwrap_or(0.0);
+            let told = |of: fn(&Run) -> Option<f64>| {
+                mean(all.iter().map(|run| of(run)).collect::<Option<Vec<f64>>>()?)
+            };
             summary.rows.push(Row {
                 scheme: scheme.clone(),
                 budget,
@@ -122,6 +129,8 @@ pub fn summarise(runs: &[Run], schemes: &[String], budgets: &[usize]) -> Summary
                 psnr: of_psnr,
                 ssim,
                 lpips: Estimate::of(&over(|run| run.lpips)),
+                photos: told(|run| run.photos.map(|photos| photos as f64)),
+                travel_deg: told(|run| run.travel_deg),
                 planning_seconds: seconds(|run| run.planning_seconds),
                 training_seconds: seconds(|run| run.training_seconds),
             });

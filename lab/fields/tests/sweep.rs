@@ -110,3 +110,26 @@ fn objects_and_seeds_draw_candidates_of_their_own_unless_told_otherwise() {
     let [ball_0, ball_1, knot_0, knot_1] = &views(&[])[..] else { panic!() };
     assert!(ball_0 != knot_0 && ball_1 != knot_1 && ball_0 != ball_1);
 }
+
+#[test]
+fn moving_has_a_price_and_plans_may_end_early() {
+    let home = tempfile::tempdir().unwrap();
+    let out = home.path().join("sweep");
+    let schemes = "fps,fps+move=1,e+stop=1";
+    sweep_of(&["ball", "--budgets=12"], &out, schemes, "2").unwrap();
+    let runs = runs(&out);
+    let mean = |scheme: &str, of: fn(&Run) -> f64| {
+        let chosen = runs.iter().map(|(_, run, _)| run);
+        let of: Vec<f64> =
+            chosen.filter(|run| run.scheme == scheme && run.budget == 12).map(of).collect();
+        assert_eq!(of.len(), 2, "{scheme}");
+        of.iter().sum::<f64>() / 2.0
+    };
+    let travel = |run: &Run| run.travel_deg.unwrap();
+    assert!(mean("fps+move=1", travel) < 0.8 * mean("fps", travel));
+    let photos = |run: &Run| run.photos.unwrap() as f64;
+    // Three views to start with, six that are too weak.
+    assert_eq!((mean("e+stop=1", photos), mean("fps", photos)), (9.0, 12.0));
+    let error = sweep(&home.path().join("other"), "fps+stop=1", "1").unwrap_err();
+    assert!(format!("{error:#}").contains("lack"), "{error:#}");
+}

@@ -104,6 +104,11 @@ pub fn compare(args: &CompareArgs) -> Result<(ComparisonRecord, usize)> {
         if scheme != scheme::ORACLE && scheme::plan(scheme, 1, 0).is_none() {
             bail!("{}, or {}", scheme::unknown(scheme), scheme::ORACLE);
         }
+        if scheme::stops(scheme) {
+            bail!(
+                "{scheme} may end before its budget, where there is nothing to compare: leave out +stop"
+            );
+        }
     }
     let (Some(&most), Some(&least)) = (args.budgets.iter().max(), args.budgets.iter().min()) else {
         bail!("name at least one budget");
@@ -593,6 +598,7 @@ mod tests {
     fn what_cannot_be_compared_is_said() {
         for (arguments, words) in [
             (&["--schemes", "best"][..], "no scheme `best`"),
+            (&["--schemes", "e+stop=0.01"], "leave out +stop"),
             (
                 &["--schemes", "soarnet", "--model", "none.model"],
                 "cannot read the model none.model",

@@ -176,6 +176,9 @@ fn plan_of(args: &PlanArgs) -> Result<Plan> {
 
 /// The plan of a scheme with the options that all plans share.
 pub(super) fn with_options(args: &PlanArgs, scheme: &str, budget: usize) -> Result<Plan> {
+    if scheme.contains('+') {
+        bail!("give --movement-cost and --stop instead of what follows + in {scheme}");
+    }
     let plan = scheme::plan(scheme, budget, args.seed)
         .with_context(|| scheme::unknown(scheme))?
         .with_movement_cost(args.movement_cost);
