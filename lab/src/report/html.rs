@@ -186,11 +186,15 @@ fn domes(html: &mut String, report: &Report<'_>) {
          photo.</p>\n</section>\n",
         dome::from_above(&cameras),
         dome::from_side(&cameras),
-        objective_legend(),
+        objective_legend(report.plan.views.iter().map(|view| view.objective.as_deref())),
     );
 }
 
-pub(super) fn objective_legend() -> String {
+/// What the colours of views mean, if any has one.
+pub(super) fn objective_legend<'a>(mut chosen_by: impl Iterator<Item = Option<&'a str>>) -> String {
+    if chosen_by.all(|objective| objective.is_none()) {
+        return String::new();
+    }
     let entries = Objective::ALL.map(|objective| {
         format!(
             "<li class=\"{0}\"><span class=\"badge\">{1}</span> {0}</li>",

@@ -95,7 +95,7 @@ fn cameras(page: &mut String, record: &PhotosRecord, capture: &Capture, candidat
          candidates, numbers the views named above.</p>\n</section>\n",
         dome::from_above(&cameras),
         dome::from_side(&cameras),
-        html::objective_legend(),
+        html::objective_legend(record.next.iter().map(|next| next.objective.as_deref())),
     );
 }
 
