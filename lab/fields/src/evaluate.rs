@@ -174,7 +174,7 @@ pub fn run(args: &EvaluateArgs) -> Result<()> {
     store.write("runs.csv", csv(&runs).as_bytes())?;
     let results = Results { settings: &settings, runs: &runs, summary: &summary };
     store.write("results.json", serde_json::to_string_pretty(&results)?.as_bytes())?;
-    store.write("psnr.svg", page::psnr_svg(&summary, &schemes)?.as_bytes())?;
+    store.write("psnr.svg", page::psnr_svg(&summary, &schemes, "random")?.as_bytes())?;
     let html = page::page(&settings, &runs, &summary, &schemes, &store)?;
     let report = store.write("report.html", html.as_bytes())?;
     if let Some(file) = &args.keep {

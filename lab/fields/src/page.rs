@@ -41,12 +41,12 @@ pub fn beside(left: &Picture, right: &Picture) -> RgbImage {
 }
 
 /// An SVG file on white, 900 x 380 pixels: PSNR against budget with the intervals as bands on the left;
-/// on the right the differences from Random, a dot an object, the mean a line.
-pub fn psnr_svg(summary: &Summary, schemes: &[String]) -> Result<String> {
+/// on the right the differences from a baseline, a dot an object, the mean a line.
+pub fn psnr_svg(summary: &Summary, schemes: &[String], baseline: &str) -> Result<String> {
     let mut svg = String::new();
     {
         let root = SVGBackend::with_string(&mut svg, (900, 380)).into_drawing_area();
-        draw(&root, summary, schemes)
+        draw(&root, summary, schemes, baseline)
             .map_err(|error| anyhow!("the plot cannot be drawn: {error}"))?;
     }
     Ok(svg)
@@ -55,11 +55,16 @@ pub fn psnr_svg(summary: &Summary, schemes: &[String]) -> Result<String> {
 type Failure = Box<dyn std::error::Error>;
 type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
 
-fn draw(root: &Area<'_>, summary: &Summary, schemes: &[String]) -> Result<(), Failure> {
+fn draw(
+    root: &Area<'_>,
+    summary: &Summary,
+    schemes: &[String],
+    baseline: &str,
+) -> Result<(), Failure> {
     root.fill(&WHITE)?;
     let (left, right) = root.split_horizontally(450);
     draw_curves(&left, summary, schemes)?;
-    draw_differences(&right, summary, schemes)?;
+    draw_differences(&right, summary, schemes, baseline)?;
     root.present()?;
     Ok(())
 }
@@ -153,11 +158,17 @@ fn draw_curves(area: &Area<'_>, summary: &Summary, schemes: &[String]) -> Result
     Ok(())
 }
 
-fn draw_differences(area: &Area<'_>, summary: &Summary, schemes: &[String]) -> Result<(), Failure> {
+fn draw_differences(
+    area: &Area<'_>,
+    summary: &Summary,
+    schemes: &[String],
+    baseline: &str,
+) -> Result<(), Failure> {
     let budgets = budgets_of(summary);
-    let rows = || summary.differences.iter().filter(|row| row.minus == "random");
+    let rows = || summary.differences.iter().filter(|row| row.minus == baseline);
     let values = range(rows().flat_map(|row| row.of_objects.iter().copied()).chain([0.0]));
-    let mut chart = panel(area, "dB above Random, a dot an object", &budgets, values)?;
+    let mut chart =
+        panel(area, &format!("dB above {baseline}, a dot an object"), &budgets, values)?;
     let ends = [(-0.5, 0.0), (budgets.len() as f64 - 0.5, 0.0)];
     chart.draw_series([PathElement::new(ends, INK.stroke_width(1))])?;
     for row in rows() {
@@ -194,8 +205,8 @@ pub fn page(
         html,
         "<header>\n<p class=\"kicker\">Vantage · evaluation</p>\n<h1>Schemes by reconstruction</h1>\n\
          <p class=\"lead\">A {field} field ({}, {} steps) is trained on the views of each scheme, and \
-         compared with photos of {} x {} pixels from {} places on a tilted circle around the object. \
-         {} runs. Photos stand on white, alpha mixed in sRGB.</p>\n</header>\n",
+         compared with photos of {} x {} pixels from {} other places around the object. {} runs. \
+         Photos stand on white, alpha mixed in sRGB.</p>\n</header>\n",
         settings.preset.name(),
         settings.recipe.steps,
         settings.photo_side,
@@ -206,7 +217,7 @@ pub fn page(
     let _ = write!(
         html,
         "<section><h2>Quality</h2>\n<div>{}</div>\n<pre>{}</pre></section>\n",
-        psnr_svg(summary, schemes)?,
+        psnr_svg(summary, schemes, "random")?,
         escape(&summary::table(summary))
     );
     html.push_str("<section><h2>Schemes</h2>\n<ul>\n");
@@ -268,7 +279,7 @@ mod tests {
                 }
             }
         }
-        let svg = psnr_svg(&summarise(&runs, &schemes, &[6, 12]), &schemes).unwrap();
+        let svg = psnr_svg(&summarise(&runs, &schemes, &[6, 12]), &schemes, "random").unwrap();
         assert!(svg.contains("random") && svg.contains("fps"));
         let dots = svg.matches("<circle").count();
         assert_eq!(dots, 2 * 2 + 2 * 3); // of curves and of differences

@@ -8,6 +8,7 @@
 //! | `{{command STUDY}}` | the commands that made the runs |
 //! | `{{quality STUDY}}` | PSNR and SSIM of each scheme and budget, with intervals |
 //! | `{{against STUDY BASELINE}}` | paired differences of PSNR from a baseline, with intervals |
+//! | `{{plot STUDY BASELINE}}` | both as a picture, `STUDY.svg` in that folder |
 //! | `{{objects STUDY BUDGET}}` | PSNR of each object and scheme at a budget |
 //! | `{{classes STUDY}}` | PSNR of each class, means over all budgets, beside the paper's |
 //! | `{{ceiling STUDY}}` | what searches of `ceiling --keep FILE` found |
@@ -25,6 +26,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use crate::ceiling::{self, Search};
+use crate::page::psnr_svg;
 use crate::plans;
 use crate::runs::{Run, write_whole};
 use crate::summary::{Estimate, Summary, summarise};
@@ -43,8 +45,11 @@ pub struct ResultsArgs {
 
 /// Writes the page.
 pub fn run(args: &ResultsArgs) -> Result<()> {
-    let text = page(&args.folder)?;
-    write_whole(&args.out, text.as_bytes())?;
+    let page = page(&args.folder)?;
+    for (name, svg) in &page.plots {
+        write_whole(&args.folder.join(name), svg.as_bytes())?;
+    }
+    write_whole(&args.out, page.text.as_bytes())?;
     eprintln!("wrote {}", args.out.display());
     Ok(())
 }
@@ -155,13 +160,20 @@ pub fn name_of(object: &str) -> String {
     stem.map_or(object.to_owned(), |stem| stem.to_string_lossy().into_owned())
 }
 
-/// The page of a folder.
-pub fn page(folder: &Path) -> Result<String> {
+/// A page, and its pictures: their names in the studies' folder, and what they hold.
+#[derive(Clone, Debug, Default)]
+pub struct Page {
+    pub text: String,
+    pub plots: Vec<(String, String)>,
+}
+
+/// The page of a folder. Its pictures are named as from the folder's parent.
+pub fn page(folder: &Path) -> Result<Page> {
     let path = folder.join("page.md");
     let text =
         fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
     let mut studies: BTreeMap<String, (Study<Run>, Summary)> = BTreeMap::new();
-    let mut page = String::new();
+    let (mut page, mut plots) = (String::new(), Vec::new());
     for line in text.lines() {
         let Some(mark) = line.strip_prefix("{{").and_then(|rest| rest.strip_suffix("}}")) else {
             page += line;
@@ -187,6 +199,12 @@ pub fn page(folder: &Path) -> Result<String> {
         page += &match words.as_slice() {
             ["command", _] => commands(study),
             ["quality", _] => quality(summary),
+            ["plot", _, baseline] => {
+                let (svg, words) = plot(summary, baseline)?;
+                let home = folder.file_name().unwrap_or_default().to_string_lossy();
+                plots.push((format!("{name}.svg"), svg));
+                format!("![{words}]({home}/{name}.svg)\n")
+            }
             ["against", _, baseline] => against(summary, baseline),
             ["objects", _, budget] => {
                 let budget = budget.parse().with_context(|| format!("no budget in {line}"))?;
@@ -198,7 +216,7 @@ pub fn page(folder: &Path) -> Result<String> {
             _ => bail!("{}: there is no mark {line}", path.display()),
         };
     }
-    Ok(page)
+    Ok(Page { text: page, plots })
 }
 
 fn commands<T>(study: &Study<T>) -> String {
@@ -250,6 +268,29 @@ fn quality(summary: &Summary) -> String {
         let row = summary.rows.iter().find(|row| row.scheme == scheme && row.budget == budget)?;
         Some(format!("{}, {}", cell(&row.psnr, 2, false), cell(&row.ssim, 3, false)))
     })
+}
+
+/// A picture of all that was planned on every object, and what it shows in words.
+///
+/// Means over fewer objects would lie beside those over all as if they could be compared.
+fn plot(summary: &Summary, baseline: &str) -> Result<(String, String)> {
+    let all = summary.rows.iter().map(|row| row.objects).max();
+    let mut schemes: Vec<String> = Vec::new();
+    for row in &summary.rows {
+        let is_hindsight = plans::HINDSIGHT.iter().any(|(name, _)| *name == row.scheme);
+        if !is_hindsight && Some(row.objects) == all && !schemes.contains(&row.scheme) {
+            schemes.push(row.scheme.clone());
+        }
+    }
+    let words = format!(
+        "PSNR of {} against the number of views, and above that of {baseline} for each object",
+        schemes.join(", ")
+    );
+    let is_shown = |scheme: &String| schemes.contains(scheme);
+    let mut shown = summary.clone();
+    shown.rows.retain(|row| is_shown(&row.scheme));
+    shown.differences.retain(|row| is_shown(&row.scheme));
+    Ok((psnr_svg(&shown, &schemes, baseline)?, words))
 }
 
 fn against(summary: &Summary, baseline: &str) -> String {
@@ -402,7 +443,7 @@ mod tests {
             "Title\n{{command small}}\n{{against small random}}\n{{objects small 6}}\n\
                        {{travel small}}\n",
         );
-        let page = page(home.path()).unwrap();
+        let page = page(home.path()).unwrap().text;
         let expected = "Title\n```sh\nfirst\nsecond\n```\n\
             | PSNR less that of random, dB | B = 6 |\n|---|---|\n\
             | fps | +0.50 [+0.50, +0.50], better on 2 of 2 |\n\
@@ -427,6 +468,7 @@ mod tests {
         for (mark, told) in [
             ("{{quality}}", "names no study"),
             ("{{quality other}}", "cannot read"),
+            ("{{ceiling other}}", "cannot read"),
             ("{{best small}}", "there is no mark"),
             ("{{objects small x}}", "no budget"),
         ] {
@@ -440,6 +482,10 @@ mod tests {
         let lab = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
         let known = fs::read_to_string(lab.join("RESULTS.md")).unwrap();
         let made = page(&lab.join("results")).unwrap();
-        assert!(known == made, "run `cargo vantage results`: lab/RESULTS.md is not of these runs");
+        let told = "run `cargo vantage results`: lab/RESULTS.md is not of these runs";
+        assert!(known == made.text, "{told}");
+        for (name, svg) in made.plots {
+            assert!(fs::read_to_string(lab.join("results").join(name)).unwrap() == svg, "{told}");
+        }
     }
 }
