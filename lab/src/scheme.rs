@@ -83,6 +83,11 @@ fn cut<'a>(text: &'a str, mark: &str, most: f32) -> Option<(&'a str, Option<f32>
     Some((before, Some(number)))
 }
 
+/// The name without what follows it.
+pub fn base(name: &str) -> &str {
+    parts(name).map_or(name, |parts| parts.base)
+}
+
 /// Whether a plan of the scheme may end before its budget is spent.
 pub fn stops(name: &str) -> bool {
     parts(name).is_some_and(|parts| parts.stop.is_some())
@@ -105,8 +110,7 @@ pub fn needs_support(name: &str) -> bool {
 
 /// Whether a scheme can choose by poses alone: without a mesh and without a network.
 pub fn needs_poses_only(name: &str) -> bool {
-    let base = parts(name).map(|parts| parts.base);
-    matches!(base, Some("fps" | "pc-fps" | "random"))
+    matches!(base(name), "fps" | "pc-fps" | "random")
 }
 
 /// The networks that schemes may ask.
@@ -157,20 +161,21 @@ pub fn network(name: &str) -> Option<(Network, &str)> {
 /// The exact plan of each objective, taken together.
 pub const ORACLE: &str = "oracle";
 
-/// A sentence for a name that is none.
-pub fn unknown(name: &str) -> String {
-    let names: Vec<&str> = SCHEMES.iter().map(|(name, _)| *name).collect();
+/// A sentence for a name that is none, where other names than [`SCHEMES`] may be known too.
+pub fn unknown(name: &str, others: &[&str]) -> String {
+    let names = SCHEMES.iter().map(|(name, _)| name).chain(others);
+    let names: Vec<&str> = names.copied().collect();
     format!(
         "there is no scheme `{name}`: choose one of {}; behind it may stand @SHARE (0 to 1), the least \
-         distance from the views so far, +move=COST (0 to 1) and +stop=GAIN (0 or more), in this order",
+         distance from the views so far, then for `compare` and `evaluate` +move=COST (0 to 1), then \
+         for `evaluate` +stop=GAIN (0 or more)",
         names.join(", ")
     )
 }
 
 /// What a scheme is, in words.
 pub fn describe(name: &str) -> &str {
-    let base = parts(name).map_or(name, |parts| parts.base);
-    SCHEMES.iter().find(|(known, _)| *known == base).map_or(name, |(_, words)| words)
+    SCHEMES.iter().find(|(known, _)| *known == base(name)).map_or(name, |(_, words)| words)
 }
 
 #[cfg(test)]
@@ -207,6 +212,6 @@ mod tests {
         assert!(!needs_support("soarnet-support") && network("soarnet-poses-support").is_none());
         assert!(needs_support("support@0.3") && !needs_support("fps") && !needs_support("best"));
         assert!(needs_poses_only("fps@0.5") && !needs_poses_only("e"));
-        assert!(unknown("best").contains("pc-fps"));
+        assert!(unknown("best", &["oracle"]).contains("random, oracle; behind"));
     }
 }

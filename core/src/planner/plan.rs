@@ -62,7 +62,7 @@ pub enum Start {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Stop {
     /// A choice is weak if its expected gain is below this, in the objective's own units, where 1 is
-    /// all that can be had.
+    /// all that can be had; of support, about 2.5.
     pub gain: f32,
     /// So many weak choices in a row end the session. Six is once through the ensemble, so that
     /// each objective has had its say.
@@ -141,7 +141,8 @@ impl fmt::Display for PlanError {
                 f.write_str("the stop rule needs a gain of at least 0 and a patience of at least 1")
             }
             Self::StopNeedsObjective => f.write_str(
-                "the stop rule looks at expected gain, which random and farthest-point plans lack",
+                "the stop rule looks at expected gain, which random and farthest-point plans lack: \
+                 leave it out or choose another scheme",
             ),
             Self::BadCentre => f.write_str("the centre of the views must be finite"),
         }

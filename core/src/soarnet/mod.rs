@@ -8,12 +8,12 @@
 //! bytes, so every target chooses the same views.
 //!
 //! ```text
-//! image, features   what the network is told: a window of a photo; poses and counts
-//! model             the file of a network, read in place
-//! encoder, heads    the layers
+//! image, features      what the network is told: a window of a photo; poses and counts
+//! model                the file of a network, read in place
+//! encoder, heads       the layers
 //! hull, rays, outlook  what outlines tell: the object's hull, and what a candidate would see of it
-//! support           the same: what a candidate would be to later views
-//! SoarNet           the scorer for a session; its memory is the caller's
+//! support              the same: what a candidate would be to later views
+//! SoarNet              the scorer for a session; its memory is the caller's
 //! ```
 //!
 //! A session with a network that has learned nothing, for want of a file:

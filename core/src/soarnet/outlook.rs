@@ -224,7 +224,7 @@ impl Form {
         // Of a spot nothing is known but that it is like the others: that counts as 0.3 of a sight.
         let prior = 0.3 * 256.0 * 127.0;
         for spot in &mut self.spots {
-            spot.rays.value = spot.rays.value();
+            spot.rays.before = spot.rays.value();
             let half = math::exp(-core::f32::consts::LN_2 * spot.sum as f32 / WHOLE as f32);
             spot.discount = [half, half * half].map(|share| fixed(share, 256.0));
             let texture = (spot.detail as f32 + prior * mean) / (spot.covered as f32 + prior);
@@ -262,7 +262,7 @@ impl Form {
                 sight * half * texture,
                 turned * quarter,
                 turned * quarter * texture,
-                area * i64::from(fixed(rays.value() - spot.rays.value, 1_048_576.0)),
+                area * i64::from(fixed(rays.value() - spot.rays.before, 1_048_576.0)),
             ];
             for (sum, part) in sums.iter_mut().zip(parts) {
                 *sum += part;

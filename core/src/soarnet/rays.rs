@@ -5,14 +5,14 @@ use glam::Vec3;
 use crate::math;
 use crate::objectives::inlier_weight;
 
-/// The moments.
+/// Sums over the rays of one spot.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Rays {
     pub(super) count: u32,
-    sums: [i32; 3],        // units of 2^-12
-    squares: [u32; 3],     // units of 2^-24
-    inliers: i32,          // sum of psi, units of 2^-16
-    pub(super) value: f32, // delta · phi
+    sums: [i32; 3],         // units of 2^-12
+    squares: [u32; 3],      // units of 2^-24
+    inliers: i32,           // sum of psi, units of 2^-16
+    pub(super) before: f32, // delta · phi without the view to come
 }
 
 impl Rays {

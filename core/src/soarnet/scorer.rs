@@ -400,7 +400,7 @@ impl<M: Memory> Scorer for SoarNet<'_, M> {
         fixed as f32 / (self.views as f32 * (1u64 << 32) as f32)
     }
 
-    /// What a photo of this candidate would add to `F` of `support.rs`, which is at most 2.5. 0 for a
+    /// What a photo of this candidate would add to `F` of `support.rs`, about 2.5 in all. 0 for a
     /// network without images.
     fn support(&self, index: usize, _pose: &Pose) -> f32 {
         let standpoint = self.memory.lists().standpoints.get(index);

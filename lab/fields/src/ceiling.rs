@@ -161,14 +161,21 @@ pub fn run(args: &CeilingArgs) -> Result<()> {
     bar.finish_and_clear();
     let mut done = done.into_inner().unwrap_or_else(|poison| poison.into_inner());
     done.sort_by_key(|(place, _)| *place);
-    let mut searches = Vec::new();
-    for (_, found) in done {
-        searches.push(found?);
+    let (mut found, mut failed) = (Vec::new(), 0);
+    for (_, search) in done {
+        match search {
+            Ok(search) => found.push(search),
+            Err(error) => {
+                failed += 1;
+                eprintln!("error: {error:#}");
+            }
+        }
     }
+    print!("{}", table(&found));
     if let Some(file) = &args.keep {
-        Study::keep(file, &command(), &searches)?;
+        Study::keep(file, &command(), &found)?;
     }
-    print!("{}", table(&searches));
+    ensure!(failed == 0, "{failed} searches failed: what the others found is kept");
     Ok(())
 }
 
@@ -194,9 +201,10 @@ fn table(searches: &[Search]) -> String {
 
 /// What was found as a table of Markdown.
 pub fn markdown(searches: &[Search]) -> String {
-    let mut text = "| object | B | fits | farthest points, found: test views of the search | \
-                    other test views | gain there |\n|---|---|---|---|---|---|\n"
-        .to_owned();
+    let mut text =
+        "| object | B | fits | PSNR in dB of farthest points, of the found: on the test \
+                    views of the search | on others | gain there |\n|---|---|---|---|---|---|\n"
+            .to_owned();
     for Search { object, budget, fits, searched, others } in searches {
         text += &format!(
             "| {} | {budget} | {fits} | {:.2}, {:.2} | {:.2}, {:.2} | {:+.2} |\n",
@@ -350,6 +358,27 @@ mod tests {
         assert_eq!(trials.known, [trial(20.0)]);
         trials.keep(trial(22.0)).unwrap();
         assert_eq!(Trials::open(&path).unwrap().known, [trial(20.0), trial(22.0)]);
+    }
+
+    #[test]
+    fn what_was_found_becomes_tables() {
+        let one = Search {
+            object: "../a_b.glb".to_owned(),
+            budget: 6,
+            fits: 40,
+            searched: [20.0, 21.5],
+            others: [20.25, 21.0],
+        };
+        let again = Search { fits: 60, ..one.kept() };
+        assert!(
+            one.kept().is_again(&again) && !again.is_again(&Search { budget: 12, ..one.kept() })
+        );
+        let (text, page) = (table(std::slice::from_ref(&one)), markdown(&[one.kept()]));
+        assert!(text.contains("20.00 -> 21.50") && text.ends_with("+0.75\n"), "{text}");
+        assert!(
+            page.ends_with("| a b | 6 | 40 | 20.00, 21.50 | 20.25, 21.00 | +0.75 |\n"),
+            "{page}"
+        );
     }
 
     #[test]

@@ -47,7 +47,7 @@ pub struct EvaluateArgs {
     /// lattice, not from the candidates), best-of-4-random and optimal-cqdt (the best in hindsight),
     /// activenerf (ActiveNeRF at a small size; it trains a network to choose: a minute for 20 views).
     /// Behind those of `plan` may stand @SHARE, the least distance from the views so far, +move=COST,
-    /// as --movement-cost of `plan`, and +stop=GAIN, as its --stop: fps+move=0.5
+    /// as --movement-cost of `plan`, and +stop=GAIN, as its --stop, in this order: fps+move=0.5
     #[arg(
         long,
         value_delimiter = ',',
@@ -193,9 +193,9 @@ fn schemes_of(args: &EvaluateArgs) -> Result<Vec<String>> {
     let mut schemes: Vec<String> = Vec::new();
     for name in &args.schemes {
         let name = plans::canonical(name);
-        plans::check(name)?;
-        if !schemes.iter().any(|known| known == name) {
-            schemes.push(name.to_owned());
+        plans::check(&name)?;
+        if !schemes.contains(&name) {
+            schemes.push(name);
         }
     }
     ensure!(!schemes.is_empty(), "name at least one scheme");
@@ -253,6 +253,12 @@ fn draws(args: &EvaluateArgs) -> bool {
     !args.same_candidates && args.pool.pool.is_none() && space == Space::Sphere
 }
 
+/// The candidates that an object and seed have of their own.
+fn drawn(pool: &PoolArgs, object: &str, seed: u64) -> Result<Vec<Pose>> {
+    let pool_seed = pool.pool_seed ^ seed_of(&name_of(object), seed);
+    PoolArgs { pool_seed, ..pool.clone() }.poses()
+}
+
 /// All runs of one object, each once.
 fn wanted_of(args: &EvaluateArgs, schemes: &[String]) -> Vec<Wanted> {
     let mut wanted: Vec<Wanted> = Vec::new();
@@ -260,7 +266,10 @@ fn wanted_of(args: &EvaluateArgs, schemes: &[String]) -> Vec<Wanted> {
         for (scheme, seed) in (0..args.seeds).flat_map(|seed| plans::parts(scheme, seed)) {
             for &budget in &args.budgets {
                 let one = Wanted { scheme: scheme.clone(), seed, budget };
-                if (seed == 0 || plans::has_chance(&scheme)) && !wanted.contains(&one) {
+                let differs = seed == 0
+                    || plans::has_chance(&scheme)
+                    || draws(args) && scheme != plans::FIBONACCI;
+                if differs && !wanted.contains(&one) {
                     wanted.push(one);
                 }
             }
@@ -336,9 +345,7 @@ impl Sweep<'_> {
             let missing: Vec<&Wanted> =
                 missing.iter().copied().filter(|one| one.seed == seed).collect();
             if !missing.is_empty() {
-                let pool_seed = self.args.pool.pool_seed ^ seed_of(&name_of(name), seed);
-                let poses = PoolArgs { pool_seed, ..self.args.pool.clone() }.poses()?;
-                runs.extend(train(&poses, &missing)?);
+                runs.extend(train(&drawn(&self.args.pool, name, seed)?, &missing)?);
             }
         }
         Ok(runs)
@@ -457,5 +464,27 @@ impl Quality {
         }
         let lpips = lpips.map(|_| distance / count);
         Ok(Self { psnr: sums[0] / count, ssim: sums[1] / count, lpips })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Parser;
+
+    #[derive(Parser)]
+    struct Cli {
+        #[command(flatten)]
+        pool: PoolArgs,
+    }
+
+    #[test]
+    fn objects_and_seeds_draw_candidates_of_their_own() {
+        let pool = Cli::parse_from(["evaluate", "--candidates", "10"]).pool;
+        let of = |object: &str, seed: u64| drawn(&pool, object, seed).unwrap();
+        assert_eq!(of("../a.glb", 1), of("a", 1));
+        assert!(of("a", 1) != of("a", 0) && of("a", 1) != of("b", 1));
+        let other = Cli::parse_from(["evaluate", "--candidates", "10", "--pool-seed", "1"]).pool;
+        assert_ne!(drawn(&other, "a", 1).unwrap(), of("a", 1));
     }
 }

@@ -16,7 +16,7 @@ use crate::plans;
 use crate::runs::{Run, Settings, Store};
 use crate::summary::{self, Summary};
 
-/// After Okabe and Ito (2008); the first is that of the baseline.
+/// After Okabe and Ito (2008).
 const COLOURS: [RGBColor; 8] = [
     RGBColor(0x5f, 0x6b, 0x7c),
     RGBColor(0x00, 0x6b, 0xa8),

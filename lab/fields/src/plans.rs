@@ -35,8 +35,11 @@ pub fn parts(scheme: &str, seed: u64) -> Vec<(String, u64)> {
 }
 
 /// The name under which a scheme is known: `e-exact` is how people tell `e` from a prediction of it.
-pub fn canonical(name: &str) -> &str {
-    if name == "e-exact" { "e" } else { name }
+pub fn canonical(name: &str) -> String {
+    match name.strip_prefix("e-exact") {
+        Some(rest) if rest.is_empty() || rest.starts_with(['@', '+']) => format!("e{rest}"),
+        _ => name.to_owned(),
+    }
 }
 
 /// What a scheme is, in words.
@@ -49,9 +52,10 @@ pub fn describe(scheme: &str) -> &str {
     }
 }
 
-/// Whether a scheme's views depend on a seed; where they do not, one run tells all.
+/// Whether a scheme's views depend on a seed for the same candidates; where they do not, one run tells
+/// all of them.
 pub fn has_chance(scheme: &str) -> bool {
-    !matches!(scheme, FIBONACCI | "pc-fps" | "e-literal")
+    !matches!(scheme::base(scheme), FIBONACCI | "pc-fps" | "e-literal")
 }
 
 /// Fails for a name that is none.
@@ -59,14 +63,9 @@ pub fn check(name: &str) -> Result<()> {
     let known = matches!(name, FIBONACCI | active::NAME)
         || HINDSIGHT.iter().any(|(known, _)| *known == name)
         || scheme::plan(name, 1, 0).is_some();
-    let others: Vec<&str> = HINDSIGHT.iter().map(|(name, _)| *name).collect();
-    ensure!(
-        known,
-        "{}, e-exact, {FIBONACCI}, {}, {}",
-        scheme::unknown(name),
-        active::NAME,
-        others.join(", ")
-    );
+    let others = ["e-exact", FIBONACCI, active::NAME];
+    let others: Vec<&str> = others.into_iter().chain(HINDSIGHT.map(|(name, _)| name)).collect();
+    ensure!(known, "{}", scheme::unknown(name, &others));
     if let Some(plan) = scheme::plan(name, 1, 0) {
         plan.check(1).with_context(|| format!("the scheme {name}"))?;
     }
@@ -105,7 +104,10 @@ impl Views {
 
 /// Fails if a plan has fewer views than were asked for, unless its scheme may stop.
 pub fn check_length(name: &str, views: usize, budget: usize) -> Result<()> {
-    ensure!(views >= budget || scheme::stops(name), "{name} chose {views} views of {budget}");
+    ensure!(
+        views >= budget || scheme::stops(name),
+        "{name} chose {views} views of {budget}: lower the budget or add candidates"
+    );
     Ok(())
 }
 
@@ -139,7 +141,7 @@ impl<'a> Planner<'a> {
             let seconds = vec![start.elapsed().as_secs_f64(); poses.len()];
             return Ok(Views { poses, candidates: None, seconds });
         }
-        let plan = scheme::plan(name, budget, seed).with_context(|| scheme::unknown(name))?;
+        let plan = scheme::plan(name, budget, seed).with_context(|| scheme::unknown(name, &[]))?;
         let steps = match scheme::network(name) {
             Some((asked, _)) => {
                 let network = self.networks.iter().find(|(known, _)| *known == asked);
@@ -186,5 +188,7 @@ mod tests {
         }
         assert!(format!("{:#}", check("best").unwrap_err()).contains("fibonacci"));
         assert_eq!(canonical("e-exact"), "e");
+        assert_eq!(canonical("e-exact+move=1"), "e+move=1");
+        assert_eq!(canonical("e-exactly"), "e-exactly");
     }
 }

@@ -8,10 +8,10 @@
 //! | `{{command STUDY}}` | the commands that made the runs |
 //! | `{{quality STUDY}}` | PSNR and SSIM of each scheme and budget, with intervals |
 //! | `{{against STUDY BASELINE}}` | paired differences of PSNR from a baseline, with intervals |
-//! | `{{plot STUDY BASELINE}}` | both as a picture, `STUDY.svg` in that folder |
+//! | `{{plot STUDY BASELINE}}` | both as a picture, `STUDY-BASELINE.svg` in that folder |
 //! | `{{objects STUDY BUDGET}}` | PSNR of each object and scheme at a budget |
 //! | `{{classes STUDY}}` | PSNR of each class, means over all budgets, beside the paper's |
-//! | `{{ceiling STUDY}}` | what searches of `ceiling --keep FILE` found |
+//! | `{{ceiling STUDY}}` | what searches of `ceiling --keep FILE` found, and their commands |
 //! | `{{travel STUDY}}` | photos taken, degrees of travel from the first to the last |
 //! | `{{times STUDY}}` | seconds of planning and of training |
 
@@ -20,7 +20,7 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -29,7 +29,7 @@ use crate::ceiling::{self, Search};
 use crate::page::psnr_svg;
 use crate::plans;
 use crate::runs::{Run, write_whole};
-use crate::summary::{Estimate, Summary, summarise};
+use crate::summary::{Estimate, Row, Summary, summarise};
 use vantage_lab::statistics::mean;
 
 /// Write the page of results from the runs that were kept
@@ -146,9 +146,12 @@ pub fn command() -> String {
     let mut words = vec!["cargo vantage".to_owned()];
     let mut rest = std::env::args().skip(1);
     while let Some(word) = rest.next() {
-        match word.as_str() {
-            "--out" | "-o" | "--keep" | "--jobs" => drop(rest.next()),
-            _ => words.push(word),
+        let (option, has_value) =
+            word.split_once('=').map_or((word.as_str(), false), |(o, _)| (o, true));
+        if !matches!(option, "--out" | "-o" | "--keep" | "--jobs") {
+            words.push(word);
+        } else if !has_value {
+            rest.next();
         }
     }
     words.join(" ")
@@ -202,10 +205,12 @@ pub fn page(folder: &Path) -> Result<Page> {
             ["plot", _, baseline] => {
                 let (svg, words) = plot(summary, baseline)?;
                 let home = folder.file_name().unwrap_or_default().to_string_lossy();
-                plots.push((format!("{name}.svg"), svg));
-                format!("![{words}]({home}/{name}.svg)\n")
+                let file = format!("{name}-{baseline}.svg");
+                let mark = format!("![{words}]({home}/{file})\n");
+                plots.push((file, svg));
+                mark
             }
-            ["against", _, baseline] => against(summary, baseline),
+            ["against", _, baseline] => against(summary, baseline)?,
             ["objects", _, budget] => {
                 let budget = budget.parse().with_context(|| format!("no budget in {line}"))?;
                 of_objects(study, budget)
@@ -275,11 +280,15 @@ fn quality(summary: &Summary) -> String {
 /// Means over fewer objects would lie beside those over all as if they could be compared.
 fn plot(summary: &Summary, baseline: &str) -> Result<(String, String)> {
     let all = summary.rows.iter().map(|row| row.objects).max();
+    let is_whole = |scheme: &str| {
+        let mut rows = summary.rows.iter().filter(|row| row.scheme == scheme);
+        rows.all(|row| Some(row.objects) == all)
+    };
     let mut schemes: Vec<String> = Vec::new();
-    for row in &summary.rows {
-        let is_hindsight = plans::HINDSIGHT.iter().any(|(name, _)| *name == row.scheme);
-        if !is_hindsight && Some(row.objects) == all && !schemes.contains(&row.scheme) {
-            schemes.push(row.scheme.clone());
+    for Row { scheme, .. } in &summary.rows {
+        let is_hindsight = plans::HINDSIGHT.iter().any(|(name, _)| name == scheme);
+        if !is_hindsight && is_whole(scheme) && !schemes.contains(scheme) {
+            schemes.push(scheme.clone());
         }
     }
     let words = format!(
@@ -290,17 +299,29 @@ fn plot(summary: &Summary, baseline: &str) -> Result<(String, String)> {
     let mut shown = summary.clone();
     shown.rows.retain(|row| is_shown(&row.scheme));
     shown.differences.retain(|row| is_shown(&row.scheme));
+    check_baseline(&shown, baseline)?;
     Ok((psnr_svg(&shown, &schemes, baseline)?, words))
 }
 
-fn against(summary: &Summary, baseline: &str) -> String {
-    by_budget(summary, &format!("PSNR less that of {baseline}, dB"), |scheme, budget| {
+/// Fails if nothing is compared with it.
+fn check_baseline(summary: &Summary, baseline: &str) -> Result<()> {
+    let is_one = summary.differences.iter().any(|row| row.minus == baseline);
+    ensure!(
+        is_one,
+        "there is nothing to compare with {baseline}: name random or fps, if it was run"
+    );
+    Ok(())
+}
+
+fn against(summary: &Summary, baseline: &str) -> Result<String> {
+    check_baseline(summary, baseline)?;
+    Ok(by_budget(summary, &format!("PSNR less that of {baseline}, dB"), |scheme, budget| {
         let difference = summary.differences.iter().find(|row| {
             (row.scheme.as_str(), row.minus.as_str(), row.budget) == (scheme, baseline, budget)
         })?;
         let (wins, all) = (difference.wins, difference.of_objects.len());
         Some(format!("{}, better on {wins} of {all}", cell(&difference.psnr, 2, true)))
-    })
+    }))
 }
 
 fn of_objects(study: &Study<Run>, budget: usize) -> String {
@@ -471,6 +492,8 @@ mod tests {
             ("{{ceiling other}}", "cannot read"),
             ("{{best small}}", "there is no mark"),
             ("{{objects small x}}", "no budget"),
+            ("{{against small e}}", "nothing to compare"),
+            ("{{plot small e}}", "nothing to compare"),
         ] {
             let error = format!("{:#}", page(folder_of(mark).path()).unwrap_err());
             assert!(error.contains(told), "{error}");

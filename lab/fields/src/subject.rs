@@ -185,7 +185,7 @@ impl Subject for Photographed<'_> {
             return Active::default().views(poses, |indices| self.taken(indices), budget, seed);
         }
         let start = Instant::now();
-        let plan = scheme::plan(name, budget, seed).with_context(|| scheme::unknown(name))?;
+        let plan = scheme::plan(name, budget, seed).with_context(|| scheme::unknown(name, &[]))?;
         let (mut chosen, mut seconds) = (Vec::new(), Vec::new());
         if let Some((asked, _)) = scheme::network(name) {
             let network = self.networks.iter().find(|(known, _)| *known == asked);

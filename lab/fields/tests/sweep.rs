@@ -95,7 +95,7 @@ fn what_is_missing_is_done_and_nothing_else() {
 }
 
 #[test]
-fn objects_and_seeds_draw_candidates_of_their_own_unless_told_otherwise() {
+fn objects_have_candidates_of_their_own_unless_told_otherwise() {
     let home = tempfile::tempdir().unwrap();
     // Farthest points depend on candidates and seed alone.
     let views = |options: &[&str]| {
@@ -106,9 +106,8 @@ fn objects_and_seeds_draw_candidates_of_their_own_unless_told_otherwise() {
     };
     let [ball_0, ball_1, knot_0, knot_1] = &views(&["--same-candidates"])[..] else { panic!() };
     assert_eq!((ball_0, ball_1), (knot_0, knot_1));
-    assert_ne!(ball_0, ball_1);
     let [ball_0, ball_1, knot_0, knot_1] = &views(&[])[..] else { panic!() };
-    assert!(ball_0 != knot_0 && ball_1 != knot_1 && ball_0 != ball_1);
+    assert!(ball_0 != knot_0 && ball_1 != knot_1);
 }
 
 #[test]
@@ -131,5 +130,5 @@ fn moving_has_a_price_and_plans_may_end_early() {
     // Three views to start with, six that are too weak.
     assert_eq!((mean("e+stop=1", photos), mean("fps", photos)), (9.0, 12.0));
     let error = sweep(&home.path().join("other"), "fps+stop=1", "1").unwrap_err();
-    assert!(format!("{error:#}").contains("lack"), "{error:#}");
+    assert!(format!("{error:#}").contains("leave it out"), "{error:#}");
 }

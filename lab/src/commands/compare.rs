@@ -37,7 +37,9 @@ pub struct CompareArgs {
     pub procedural: Option<usize>,
     /// Schemes, separated by commas: those of `plan`, where soarnet and soarnet-poses bring their
     /// plans of each objective along, and oracle (c, q, d and t: the exact plan of each objective).
-    /// With oracle or a network, rank correlations and closed gaps are measured too
+    /// With oracle or a network, rank correlations and closed gaps are measured too. Behind those of
+    /// `plan` may stand @SHARE, the least distance from the views so far, then +move=COST, a price on
+    /// moving: fps+move=0.5
     #[arg(long, value_delimiter = ',', default_value = "random,fps,e,c,q,d,t,sum")]
     pub schemes: Vec<String>,
     /// Budgets, separated by commas
@@ -102,7 +104,7 @@ pub fn compare(args: &CompareArgs) -> Result<(ComparisonRecord, usize)> {
     let poses = args.pool.poses()?;
     for scheme in &args.schemes {
         if scheme != scheme::ORACLE && scheme::plan(scheme, 1, 0).is_none() {
-            bail!("{}, or {}", scheme::unknown(scheme), scheme::ORACLE);
+            bail!("{}", scheme::unknown(scheme, &[scheme::ORACLE]));
         }
         if scheme::stops(scheme) {
             bail!(
@@ -345,7 +347,7 @@ impl OneSeed<'_> {
 
     fn steps_of(&self, name: &str) -> Result<Vec<Step>> {
         let plan = scheme::plan(name, self.comparison.most, self.seed);
-        let plan = plan.with_context(|| scheme::unknown(name))?;
+        let plan = plan.with_context(|| scheme::unknown(name, &[]))?;
         match self.comparison.network_of(name) {
             None => self.labelled.run(plan, || {}),
             Some(network) => network.run(self.labelled, self.photo(), plan, || {}),

@@ -91,6 +91,7 @@ impl ModelArgs {
     pub fn networks(&self, schemes: &[String]) -> Result<Vec<(scheme::Network, Network)>> {
         let mut networks: Vec<(scheme::Network, Network)> = Vec::new();
         for (network, plan) in schemes.iter().filter_map(|scheme| scheme::network(scheme)) {
+            // Opened for every plan, since not every network can serve every plan.
             let opened = self.open_for(network, plan)?;
             if !networks.iter().any(|(known, _)| *known == network) {
                 networks.push((network, opened));
@@ -99,7 +100,7 @@ impl ModelArgs {
         Ok(networks)
     }
 
-    /// The network of that kind, for the scheme that it would be with exact gains.
+    /// The network of that kind, if it can serve the plan.
     fn open_for(&self, network: scheme::Network, plan: &str) -> Result<Network> {
         let opened = self.open(network)?;
         if plan == "support" && !opened.sees()? {

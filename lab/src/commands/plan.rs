@@ -55,7 +55,8 @@ pub struct PlanArgs {
     /// Share of a view's gain that half a turn of the camera costs it, 0 to 1
     #[arg(long, default_value_t = 0.0, value_name = "COST")]
     pub movement_cost: f32,
-    /// Stop early once six choices in a row promise less than this gain (1 is all there is)
+    /// Stop early once six choices in a row promise less than this gain (1 is all there is; of support,
+    /// about 2.5)
     #[arg(long, value_name = "GAIN", conflicts_with = "photos")]
     pub stop: Option<f32>,
     #[command(flatten)]
@@ -177,10 +178,10 @@ fn plan_of(args: &PlanArgs) -> Result<Plan> {
 /// The plan of a scheme with the options that all plans share.
 pub(super) fn with_options(args: &PlanArgs, scheme: &str, budget: usize) -> Result<Plan> {
     if scheme.contains('+') {
-        bail!("give --movement-cost and --stop instead of what follows + in {scheme}");
+        bail!("leave out what follows + in {scheme}: `plan` has --movement-cost and --stop for it");
     }
     let plan = scheme::plan(scheme, budget, args.seed)
-        .with_context(|| scheme::unknown(scheme))?
+        .with_context(|| scheme::unknown(scheme, &[]))?
         .with_movement_cost(args.movement_cost);
     if args.start.is_some() && matches!(scheme, "e-literal" | "pc-fps" | "random") {
         bail!("the scheme {scheme} says itself how it starts: leave out --start");

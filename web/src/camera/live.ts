@@ -17,7 +17,7 @@ import type { XrSource } from "./xr/session.js";
 export type LiveSource = "board" | "webxr" | "orientation";
 
 /** Candidates around a real object, and photos planned at first. */
-const PLANNED = { count: 100, budget: 30, movementCost: 0.25 };
+const PLANNED = { count: 100, budget: 30, movementCost: 0.5 };
 
 export class LiveCapture {
   readonly voice = new Voice();
