@@ -119,10 +119,11 @@ pub fn run(args: &CeilingArgs) -> Result<()> {
     for &budget in &args.budgets {
         ensure!(
             (1..poses.len()).contains(&budget),
-            "a budget of {budget} leaves nothing to exchange among {} candidates",
+            "a budget of {budget} leaves nothing to exchange among {} candidates: lower it or add some",
             poses.len()
         );
     }
+    args.keep.as_deref().map_or(Ok(()), Study::<Search>::check)?;
     // Trials of other settings must not be mixed.
     let settings = serde_json::to_string(&(
         &recipe,

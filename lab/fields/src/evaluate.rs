@@ -137,6 +137,7 @@ pub fn run(args: &EvaluateArgs) -> Result<()> {
     let lpips = args.lpips.as_ref();
     let lpips = lpips.map(|file| Lpips::open(file, side as usize, side as usize)).transpose()?;
     let store = Store::open(&args.out, &settings)?;
+    args.keep.as_deref().map_or(Ok(()), Study::<Run>::check)?;
 
     let wanted = wanted_of(args, &schemes);
     let jobs = args.jobs.unwrap_or_else(|| thread::available_parallelism().map_or(1, usize::from));

@@ -91,6 +91,11 @@ impl<T: Kept> Study<T> {
             .with_context(|| format!("{} is no study: name another file", path.display()))
     }
 
+    /// Fails if runs cannot be added to a file: before they are made, which may take hours.
+    pub fn check(path: &Path) -> Result<()> {
+        if path.exists() { Self::open(path).map(drop) } else { Ok(()) }
+    }
+
     /// Adds runs to a file, which need not exist; those that answer the same are replaced.
     pub fn keep(path: &Path, command: &str, runs: &[T]) -> Result<()> {
         let mut study = if path.exists() {
@@ -482,6 +487,9 @@ mod tests {
         assert_eq!(study.runs.len(), 6);
         assert!(study.runs.iter().all(|run| run.views.is_none()));
         assert_eq!(study.commands, ["first", "second"]);
+        Study::<Run>::check(&home.path().join("other.json")).unwrap();
+        let error = Study::<Run>::check(&home.path().join("page.md")).unwrap_err();
+        assert!(error.to_string().contains("is no study"), "{error}");
     }
 
     #[test]
