@@ -33,7 +33,7 @@ use vantage_lab::render::Renderer;
 use crate::metrics::psnr;
 use crate::photos::{Photos, test_circle};
 use crate::recipe::{Kind, Preset, Recipe};
-use crate::results::{Kept, Study, command, name_of};
+use crate::study::{Kept, Study, command, name_of};
 use crate::train::Trainer;
 
 /// Test views, half of them to search by and half to measure by.
@@ -187,14 +187,11 @@ fn table(searches: &[Search]) -> String {
          others:\n\n{:<24} {:>6} {:>6} {:>15} {:>15} {:>8}\n",
         "object", "budget", "fits", "searched", "others", "gain"
     );
-    for Search { object, budget, fits, searched, others } in searches {
+    for Search { object, budget, fits, searched: [start, best], others: [from, to] } in searches {
         text += &format!(
-            "{object:<24} {budget:>6} {fits:>6} {:>6.2} -> {:>5.2} {:>6.2} -> {:>5.2} {:>+8.2}\n",
-            searched[0],
-            searched[1],
-            others[0],
-            others[1],
-            others[1] - others[0]
+            "{object:<24} {budget:>6} {fits:>6} {start:>6.2} -> {best:>5.2} {from:>6.2} -> {to:>5.2} \
+             {:>+8.2}\n",
+            to - from
         );
     }
     text
@@ -202,19 +199,15 @@ fn table(searches: &[Search]) -> String {
 
 /// What was found as a table of Markdown.
 pub fn markdown(searches: &[Search]) -> String {
-    let mut text =
-        "| object | B | fits | PSNR in dB of farthest points, of the found: on the test \
-                    views of the search | on others | gain there |\n|---|---|---|---|---|---|\n"
-            .to_owned();
-    for Search { object, budget, fits, searched, others } in searches {
+    let mut text = String::from(
+        "| object | B | fits | PSNR in dB of farthest points, of the found: on the test views of the \
+         search | on others | gain there |\n|---|---|---|---|---|---|\n",
+    );
+    for Search { object, budget, fits, searched: [start, best], others: [from, to] } in searches {
+        let object = object.replace('_', " ");
         text += &format!(
-            "| {} | {budget} | {fits} | {:.2}, {:.2} | {:.2}, {:.2} | {:+.2} |\n",
-            object.replace('_', " "),
-            searched[0],
-            searched[1],
-            others[0],
-            others[1],
-            others[1] - others[0]
+            "| {object} | {budget} | {fits} | {start:.2}, {best:.2} | {from:.2}, {to:.2} | {:+.2} |\n",
+            to - from
         );
     }
     text

@@ -58,6 +58,7 @@ pub mod recipe;
 pub mod results;
 pub mod runs;
 pub mod scene;
+pub mod study;
 pub mod subject;
 pub mod summary;
 pub mod tensorf;
