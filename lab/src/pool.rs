@@ -1,13 +1,15 @@
 //! The candidate pool of a plan: generated from a seed, or read from a file.
 
+use std::f32::consts::TAU;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, anyhow, bail};
 use clap::{Args, ValueEnum};
 use serde_json::Value;
-use vantage_core::Pose;
 use vantage_core::candidates::{Pool, ViewSpace};
+use vantage_core::{Pose, Vec3};
 
+use crate::mesh::kit::Chance;
 use crate::record::PoolRecord;
 
 /// Distance of the cameras from the object's centre, in radii of its bounding sphere. With
@@ -42,8 +44,8 @@ pub struct PoolArgs {
     /// Where candidate views may stand [default: sphere; with --photos hemisphere]
     #[arg(long, value_enum, conflicts_with = "pool")]
     pub space: Option<Space>,
-    /// Lowest elevation in degrees, for all spaces but `sphere` and `fibonacci` [default: 5; with
-    /// --photos 15 below the lowest photo]
+    /// Lowest elevation in degrees, for `hemisphere`, `rings` and `spiral` [default: 5; with --photos
+    /// 15 below the lowest photo]
     #[arg(long, value_name = "DEGREES", allow_hyphen_values = true)]
     pub min_elevation: Option<f32>,
     /// Highest elevation in degrees, likewise [default: 80; with --photos 15 above the highest]
@@ -71,7 +73,15 @@ pub enum Space {
     Rings,
     /// One line that winds upwards
     Spiral,
+    /// Four of five near one of five places, the rest anywhere, all by chance: uneven, as photos are that
+    /// somebody took already
+    Clustered,
 }
+
+/// Of clustered candidates: the places, and half the width of a cluster's scatter before it is brought
+/// to the sphere (a standard deviation of 10 degrees each way).
+const PLACES: usize = 5;
+const SCATTER: f32 = 0.3;
 
 impl PoolArgs {
     /// The candidates, in order.
@@ -84,7 +94,10 @@ impl PoolArgs {
                 "{} candidates are too many to render: give --candidates up to {MOST_CANDIDATES}",
                 self.count()
             ),
-            None => Ok(Pool::try_new(self.view_space(), self.count(), DISTANCE)?.iter().collect()),
+            None => match self.view_space() {
+                Some(space) => Ok(Pool::try_new(space, self.count(), DISTANCE)?.iter().collect()),
+                None => clustered(self.count(), self.pool_seed),
+            },
         }
     }
 
@@ -106,6 +119,11 @@ impl PoolArgs {
 
     fn space(&self) -> Space {
         self.space.unwrap_or(Space::Sphere)
+    }
+
+    /// Whether another seed gives other candidates.
+    pub fn has_chance(&self) -> bool {
+        self.pool.is_none() && matches!(self.space(), Space::Sphere | Space::Clustered)
     }
 
     /// The lowest and highest elevation in degrees, where the space has such.
@@ -145,9 +163,10 @@ impl PoolArgs {
         self.pool.is_none().then_some(self.pool_seed)
     }
 
-    fn view_space(&self) -> ViewSpace {
+    /// The space as the core knows it; none for clusters.
+    fn view_space(&self) -> Option<ViewSpace> {
         let [min_elevation_rad, max_elevation_rad] = self.elevations_deg().map(f32::to_radians);
-        match self.space() {
+        Some(match self.space() {
             Space::Sphere => ViewSpace::RandomSphere { seed: self.pool_seed },
             Space::Fibonacci => ViewSpace::FibonacciSphere,
             Space::Hemisphere => ViewSpace::Hemisphere { min_elevation_rad, max_elevation_rad },
@@ -158,8 +177,28 @@ impl PoolArgs {
                 let turns = self.rings as f32;
                 ViewSpace::Spiral { turns, min_elevation_rad, max_elevation_rad }
             }
-        }
+            Space::Clustered => return None,
+        })
     }
+}
+
+/// So many poses of [`Space::Clustered`].
+fn clustered(count: usize, seed: u64) -> Result<Vec<Pose>> {
+    let mut chance = Chance::new(seed);
+    let mut anywhere = move || {
+        let (height, turn) = (chance.between(-1.0, 1.0), chance.between(0.0, TAU));
+        let (sin, cos) = turn.sin_cos();
+        (Vec3::new(cos, sin, 0.0) * (1.0 - height * height).sqrt()).with_z(height)
+    };
+    let places: Vec<Vec3> = (0..PLACES).map(|_| anywhere()).collect();
+    let mut chance = Chance::new(!seed);
+    let poses = (0..count).map(|number| {
+        let [x, y, z] = [(); 3].map(|()| chance.between(-SCATTER, SCATTER));
+        let place = places[chance.below(PLACES as u32) as usize];
+        let direction = if number % 5 == 4 { anywhere() } else { place + Vec3::new(x, y, z) };
+        Ok(Pose::looking_at(direction.normalize() * DISTANCE, Vec3::ZERO)?)
+    });
+    poses.collect()
 }
 
 /// The poses of a file: see [`PoolArgs::pool`].
@@ -219,6 +258,20 @@ mod tests {
             assert_eq!(poses.len(), 1);
             assert_eq!(poses[0].position().z, 3.0);
         }
+    }
+
+    #[test]
+    fn clusters_are_uneven_and_drawn_by_their_seed() {
+        let poses = clustered(100, 7).unwrap();
+        assert_eq!(poses, clustered(100, 7).unwrap());
+        assert_ne!(poses, clustered(100, 8).unwrap());
+        let near = |a: &Pose, b: &Pose| a.position().angle_between(b.position()) < 0.35;
+        let crowd = |a: &Pose| poses.iter().filter(|b| near(a, b)).count();
+        // Evenly drawn, a view has three others within 20 degrees: 400 in all, each itself counted.
+        let crowds: usize = poses.iter().map(crowd).sum();
+        assert!((800..2_500).contains(&crowds), "{crowds}");
+        let far = poses.iter().map(|a| a.position().length());
+        assert!(far.into_iter().all(|far| (far - DISTANCE).abs() < 1e-4));
     }
 
     #[test]

@@ -57,7 +57,7 @@ pub struct Normalise {
 /// Where the candidates stand.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct PoolRecord {
-    /// `sphere`, `fibonacci`, `hemisphere`, `rings`, `spiral`, or `file`.
+    /// `sphere`, `fibonacci`, `hemisphere`, `rings`, `spiral`, `clustered`, or `file`.
     pub space: String,
     /// The file, if they were read from one.
     pub file: Option<String>,

@@ -20,7 +20,7 @@ use vantage_lab::commands::compare::{objects_of, seed_of};
 use vantage_lab::network::Network;
 use vantage_lab::object::Object;
 use vantage_lab::photos::Scene;
-use vantage_lab::pool::{FOV_X_RAD, PoolArgs, Space};
+use vantage_lab::pool::{FOV_X_RAD, PoolArgs};
 use vantage_lab::scheme;
 
 use crate::fly;
@@ -89,8 +89,9 @@ pub struct EvaluateArgs {
     pub model: ModelArgs,
     #[command(flatten)]
     pub pool: PoolArgs,
-    /// The same candidates for all objects and seeds. Without it each object and seed draws its own from
-    /// the sphere, so that no layout of views is common to all; other spaces have one set of views
+    /// The same candidates for all objects and seeds. Without it each object and seed draws its own, so
+    /// that no layout of views is common to all; `fibonacci`, `hemisphere`, `rings` and `spiral` have one
+    /// set of views, of which each object and seed draws its own first
     #[arg(long)]
     pub same_candidates: bool,
     /// Seed of a built-in object
@@ -250,8 +251,7 @@ fn settings_of(args: &EvaluateArgs) -> Result<Settings> {
 
 /// Whether each object and seed has candidates of its own.
 fn draws(args: &EvaluateArgs) -> bool {
-    let space = args.pool.space.unwrap_or(Space::Sphere);
-    !args.same_candidates && args.pool.pool.is_none() && space == Space::Sphere
+    !args.same_candidates && args.pool.has_chance()
 }
 
 /// The candidates that an object and seed have of their own.
@@ -334,8 +334,10 @@ impl Sweep<'_> {
             self.bar.suspend(|| eprintln!("warning: {name}: {warning}"));
         }
         let train = |poses: &[Pose], missing: &[&Wanted]| {
-            let (camera, test_poses) = (self.camera, self.test_poses);
-            let subject = Rendered::new(&object.mesh, camera, poses, test_poses, self.networks)?;
+            let views = [poses, self.test_poses];
+            let schemes: Vec<&str> = missing.iter().map(|one| one.scheme.as_str()).collect();
+            let (mesh, networks) = (&object.mesh, self.networks);
+            let subject = Rendered::new(mesh, self.camera, views, networks, &schemes)?;
             self.train_on(name, missing, &subject)
         };
         if !draws(self.args) {
@@ -354,18 +356,21 @@ impl Sweep<'_> {
 
     fn train_on(&self, name: &str, missing: &[&Wanted], subject: &dyn Subject) -> Result<Vec<Run>> {
         let test = subject.test();
+        // Where all choose from the same views, each object begins elsewhere, or all had one layout.
+        let shared = !draws(self.args) && !self.args.same_candidates;
+        let chance = |seed| if shared { seed_of(&name_of(name), seed) } else { seed };
         // One plan for all budgets, unless it is no greedy one.
         let mut plans: Vec<(&str, u64, Views)> = Vec::new();
         let mut tasks: Vec<(&Wanted, Views)> = Vec::new();
         for one in missing {
             let known = |plan: &&(&str, u64, Views)| plan.0 == one.scheme && plan.1 == one.seed;
             let views = if one.scheme == plans::FIBONACCI {
-                subject.views(&one.scheme, one.budget, one.seed)?
+                subject.views(&one.scheme, one.budget, chance(one.seed))?
             } else if let Some((_, _, views)) = plans.iter().find(known) {
                 views.first(one.budget)
             } else {
                 let most = self.args.budgets.iter().copied().max().unwrap_or(one.budget);
-                let views = subject.views(&one.scheme, most, one.seed)?;
+                let views = subject.views(&one.scheme, most, chance(one.seed))?;
                 plans.push((&one.scheme, one.seed, views.clone()));
                 views.first(one.budget)
             };

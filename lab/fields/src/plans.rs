@@ -114,21 +114,25 @@ pub fn check_length(name: &str, views: usize, budget: usize) -> Result<()> {
 /// Plans for one object.
 pub struct Planner<'a> {
     labelled: Labelled,
-    photos: Vec<image::RgbImage>, // (candidates); empty if no network is asked
+    photos: Vec<image::RgbImage>, // (candidates); empty if no network will be asked
     networks: &'a [(scheme::Network, Network)],
 }
 
 impl<'a> Planner<'a> {
-    /// Labels the candidates of an object.
+    /// Labels the candidates of an object, and prepares what these schemes look at.
     pub fn new(
         mesh: &Mesh,
         poses: &[Pose],
         networks: &'a [(scheme::Network, Network)],
+        schemes: &[&str],
     ) -> Result<Self> {
         let camera = Camera::from_fov(RESOLUTION, RESOLUTION, FOV_X_RAD)?;
-        let labelled = Labelled::new(mesh, &camera, poses.to_vec(), Reading::default(), || {})
-            .with_support(mesh)?;
-        let photos = if networks.is_empty() { Vec::new() } else { network::photos(mesh, poses)? };
+        let mut labelled = Labelled::new(mesh, &camera, poses.to_vec(), Reading::default(), || {});
+        if schemes.iter().any(|name| scheme::needs_support(name)) {
+            labelled = labelled.with_support(mesh)?;
+        }
+        let asked = schemes.iter().any(|name| scheme::network(name).is_some());
+        let photos = if asked { network::photos(mesh, poses)? } else { Vec::new() };
         Ok(Self { labelled, photos, networks })
     }
 

@@ -90,15 +90,15 @@ pub struct Rendered<'a> {
 }
 
 impl<'a> Rendered<'a> {
-    /// Labels the candidates of an object.
+    /// Labels the candidates of an object, and prepares what these schemes look at.
     pub fn new(
         mesh: &'a Mesh,
         camera: Camera,
-        poses: &'a [Pose],
-        test_poses: &'a [Pose],
+        [poses, test_poses]: [&'a [Pose]; 2],
         networks: Networks<'a>,
+        schemes: &[&str],
     ) -> Result<Self> {
-        let planner = Planner::new(mesh, poses, networks)?;
+        let planner = Planner::new(mesh, poses, networks, schemes)?;
         Ok(Self { planner, renderer: Renderer::new(mesh), camera, poses, test_poses })
     }
 

@@ -28,7 +28,7 @@ pub mod colour;
 #[cfg(test)]
 mod file_tests;
 mod gltf;
-mod kit;
+pub(crate) mod kit;
 mod load;
 mod normalise;
 mod obj;
