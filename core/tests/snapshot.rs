@@ -33,7 +33,7 @@ fn crc(bytes: &[u8]) -> u32 {
 
 /// A snapshot with this payload, right in everything else.
 fn sealed(payload: &[u8]) -> Vec<u8> {
-    let mut bytes = b"VNTG\x02\x00".to_vec();
+    let mut bytes = b"VNTG\x03\x00".to_vec();
     bytes.extend((payload.len() as u32).to_le_bytes());
     bytes.extend(payload);
     bytes.extend(crc(&bytes).to_le_bytes());
@@ -84,7 +84,7 @@ fn every_plan() -> Vec<Plan> {
         Plan::single(Objective::Diversity, 12),
         Plan::single(Objective::Texture, 12),
         Plan::sum(12).with_stop(stop).with_dispersion(0.5),
-        Plan::farthest_point(12).with_seed(3),
+        Plan::farthest_point(12).with_seed(3).with_opposite(0.5),
         Plan::pseudo_coverage(12),
         Plan::random(12).with_seed(9),
     ]
@@ -202,12 +202,13 @@ fn the_example_in_the_documentation_is_the_snapshot() {
     #[rustfmt::skip]
     let expected = [
         0x56, 0x4e, 0x54, 0x47, // "VNTG"
-        0x02, 0x00, // version 2
-        0x3d, 0x00, 0x00, 0x00, // 61 bytes of payload
+        0x03, 0x00, // version 3
+        0x41, 0x00, 0x00, 0x00, // 65 bytes of payload
         // The plan: scheme Random, budget 1, start FarthestPoint, no start views, seed 0.
         0x00, 0x01, 0x01, 0x00, 0x00,
         0x00, 0x00, 0x00, 0x00, // movement cost 0.0
         0x00, 0x00, 0x00, 0x00, // dispersion 0.0
+        0x00, 0x00, 0x00, 0x00, // opposite 0.0
         0x00, // no stop rule
         0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, // centre
         0x00, 0x00, // no choices settled, none of them weak
@@ -218,13 +219,13 @@ fn the_example_in_the_documentation_is_the_snapshot() {
         0x00, 0x00, 0x80, 0x3f, 0x00, 0x00, 0x00, 0x40, 0x00, 0x00, 0x40, 0x40,
         0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x80, 0x3f,
         0x00,
-        0x38, 0xa6, 0x4f, 0xff, // CRC-32
+        0xdf, 0x91, 0xc9, 0xa4, // CRC-32
     ];
     let pose = Pose::try_new(Vec3::new(1.0, 2.0, 3.0), Quat::IDENTITY).unwrap();
     let session =
         Session::try_new(Fixed::<1, 1>::default(), [pose], Blind, Plan::random(1)).unwrap();
-    let mut buffer = [0; 75];
-    assert_eq!(session.snapshot(&mut buffer), Ok(75));
+    let mut buffer = [0; 79];
+    assert_eq!(session.snapshot(&mut buffer), Ok(79));
     assert_eq!(buffer, expected);
     assert_eq!(sealed(&payload(&buffer)), buffer);
     let again = Session::restore(Fixed::<1, 1>::default(), Blind, &buffer).unwrap();
@@ -384,7 +385,8 @@ fn records_that_cannot_be_are_refused() {
     refused(seed + 2, 0, &f32::NAN.to_le_bytes()); // the movement cost
     refused(seed + 2, 0, &2.0f32.to_le_bytes());
     refused(seed + 6, 0, &(-0.5f32).to_le_bytes()); // the dispersion
-    let stop = seed + 10;
+    refused(seed + 10, 0, &1.5f32.to_le_bytes()); // the weight of opposite sides
+    let stop = seed + 14;
     refused(stop, 1, &[2]); // neither with a stop rule nor without
     refused(stop + 5, 6, &[0]); // no patience
     refused(stop + 6, 0, &f32::NAN.to_le_bytes()); // the centre

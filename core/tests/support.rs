@@ -11,7 +11,7 @@ use common::{Chance, Room, Scene, cases};
 use proptest::prelude::*;
 use vantage_core::candidates::{Pool, ViewSpace};
 use vantage_core::objectives::{Glimpse, Reading, SupportError, SupportLedger, Target};
-use vantage_core::planner::{Plan, PlanError, Reason, Session};
+use vantage_core::planner::{Blind, Plan, PlanError, Reason, Session};
 use vantage_core::{ExactSupport, Objective, Pose, Vec3};
 
 const CANDIDATES: usize = 40;
@@ -120,20 +120,24 @@ proptest! {
     }
 
     #[test]
-    fn a_plan_by_support_takes_the_most_of_what_is_far_enough(seed: u64, share in 0.0f32..=1.0) {
+    fn a_plan_by_support_takes_the_most_of_what_is_far_enough(
+        seed: u64, share in 0.0f32..=1.0, opposite in 0.0f32..=1.0,
+    ) {
         let ball = Ball::new(60, seed);
         let glimpses = ball.glimpses();
         let (mut sums, mut empty) = (vec![0.0; 60], vec![0; VOXELS.div_ceil(32)]);
         let ledger = SupportLedger::try_new(&ball.targets, VOXELS, &mut sums, &mut empty).unwrap();
         let scorer = ExactSupport::new(ledger, &glimpses);
-        let plan = Plan::support(9).with_dispersion(share);
+        let plan = Plan::support(9).with_dispersion(share).with_opposite(opposite);
         let poses = ball.poses.iter().copied();
         let mut session = Session::try_new(Room::default(), poses, scorer, plan).unwrap();
         let mut views: Vec<usize> = Vec::new();
         while let Some(next) = session.next_view() {
             let away = |index: usize| {
                 let from = views.iter().map(|&view| ball.poses[view].position());
-                from.map(|view| view.distance(ball.poses[index].position())).fold(f32::INFINITY, f32::min)
+                let here = ball.poses[index].position();
+                let near = |view: Vec3| here.distance(view).min(here.distance(-view) / opposite);
+                from.map(near).fold(f32::INFINITY, f32::min)
             };
             let rest: Vec<usize> = (0..CANDIDATES).filter(|index| !views.contains(index)).collect();
             let farthest = rest.iter().map(|&index| away(index)).fold(0.0, f32::max);
@@ -178,6 +182,50 @@ fn the_whole_dispersion_is_farthest_point_sampling_and_none_changes_nothing() {
     }
 }
 
+/// So many views evenly around the vertical axis at a centre.
+fn around(centre: Vec3, views: usize) -> Vec<Pose> {
+    let space = ViewSpace::Spiral { turns: 1.0, min_elevation_rad: 0.0, max_elevation_rad: 0.0 };
+    Pool::try_new(space, views, 1.0).unwrap().with_target(centre).unwrap().iter().collect()
+}
+
+#[test]
+fn the_opposite_side_of_a_view_counts_by_its_weight() {
+    let second = |opposite: f32| {
+        let plan = Plan::farthest_point(2).with_opposite(opposite).with_start_views(0);
+        let poses = around(Vec3::ZERO, 36);
+        let mut session = Session::try_new(Room::default(), poses.clone(), Blind, plan).unwrap();
+        session.observe(0, poses[0], &()).unwrap();
+        let angle =
+            poses[session.next_view().unwrap().index].position().angle_between(poses[0].position());
+        angle.to_degrees().round() as u32
+    };
+    // Around a circle of radius 1 the chords to both sides are equal where sin(x / 2) = cos(x / 2) / w.
+    assert_eq!([0.0, 0.5, 1.0].map(second), [180, 120, 90]); // 120 and not 130: 127 is not there
+}
+
+#[test]
+fn opposite_sides_are_those_of_the_plans_centre_also_of_a_later_plan() {
+    let (here, there) = (Vec3::ZERO, Vec3::new(0.3, -0.2, 0.1));
+    let poses = around(there, 30);
+    let plan = Plan::farthest_point(9).with_opposite(0.5).with_start_views(0);
+    let follow = |first: Plan, then: Plan| {
+        let mut session = Session::try_new(Room::default(), poses.clone(), Blind, first).unwrap();
+        for index in [3, 11, 12] {
+            session.observe(index, poses[index], &()).unwrap();
+        }
+        session.replan(then).unwrap();
+        let mut taken = Vec::new();
+        while let Some(next) = session.next_view() {
+            session.observe(next.index, next.pose, &()).unwrap();
+            taken.push(next.index);
+        }
+        taken
+    };
+    let (plan_here, plan_there) = (plan.with_centre(here), plan.with_centre(there));
+    assert_eq!(follow(plan_here, plan_there), follow(plan_there, plan_there));
+    assert_ne!(follow(plan_here, plan_here), follow(plan_there, plan_there));
+}
+
 #[test]
 fn what_cannot_be_is_refused() {
     let ball = Ball::new(33, 1);
@@ -197,5 +245,7 @@ fn what_cannot_be_is_refused() {
     for share in [-0.1, 1.1, f32::NAN] {
         let error = Plan::ensemble(3).with_dispersion(share).check(9).unwrap_err();
         assert!(matches!(error, PlanError::BadDispersion { .. }));
+        let error = Plan::ensemble(3).with_opposite(share).check(9).unwrap_err();
+        assert!(matches!(error, PlanError::BadOpposite { .. }));
     }
 }

@@ -1,7 +1,9 @@
 //! The schemes by the names that the command line knows.
 //!
-//! Three things may follow a name, in this order: `@SHARE`, another least distance from the views so
-//! far ([`Plan::with_dispersion`]); `+move=COST`, a price on moving the camera
+//! Some things may follow a name, in this order: `@SHARE`, another least distance from the views so
+//! far ([`Plan::with_dispersion`]); `+opposite=WEIGHT`, another weight of the views' opposite sides in
+//! that distance ([`Plan::with_opposite`]); `+start=VIEWS`, another number of first views
+//! ([`Plan::with_start_views`]); `+move=COST`, a price on moving the camera
 //! ([`Plan::with_movement_cost`]); `+stop=GAIN`, an end before the budget is spent
 //! ([`Plan::with_stop`], its patience as in [`Stop::default`]).
 
@@ -38,7 +40,7 @@ pub const SCHEMES: [(&str, &str); 24] = [
 
 /// The plan of a scheme, or `None` for a name that is none.
 pub fn plan(name: &str, budget: usize, seed: u64) -> Option<Plan> {
-    let Parts { base, share, cost, stop } = parts(name)?;
+    let Parts { base, share, opposite, start, cost, stop } = parts(name)?;
     let plan = match network(base).map_or(base, |(_, plan)| plan) {
         "e" => Plan::ensemble(budget),
         "e-literal" => Plan::literal_ensemble(budget),
@@ -54,6 +56,8 @@ pub fn plan(name: &str, budget: usize, seed: u64) -> Option<Plan> {
         _ => return None,
     };
     let plan = share.map_or(plan, |share| plan.with_dispersion(share));
+    let plan = opposite.map_or(plan, |weight| plan.with_opposite(weight));
+    let plan = start.map_or(plan, |views| plan.with_start_views(views as usize));
     let plan = cost.map_or(plan, |cost| plan.with_movement_cost(cost));
     let plan = stop.map_or(plan, |gain| plan.with_stop(Stop { gain, ..Stop::default() }));
     Some(plan.with_seed(seed))
@@ -64,16 +68,24 @@ pub fn plan(name: &str, budget: usize, seed: u64) -> Option<Plan> {
 struct Parts<'a> {
     base: &'a str,
     share: Option<f32>,
+    opposite: Option<f32>,
+    start: Option<f32>,
     cost: Option<f32>,
     stop: Option<f32>,
 }
+
+/// More first views than anybody asks for.
+const MOST_VIEWS: f32 = 65_536.0;
 
 /// `None` if what follows the name cannot be read or is out of range.
 fn parts(name: &str) -> Option<Parts<'_>> {
     let (rest, stop) = cut(name, "+stop=", f32::MAX)?;
     let (rest, cost) = cut(rest, "+move=", 1.0)?;
+    let (rest, start) = cut(rest, "+start=", MOST_VIEWS)?;
+    let (rest, opposite) = cut(rest, "+opposite=", 1.0)?;
     let (base, share) = cut(rest, "@", 1.0)?;
-    Some(Parts { base, share, cost, stop })
+    let whole = start.is_none_or(|views| views.fract() == 0.0);
+    whole.then_some(Parts { base, share, opposite, start, cost, stop })
 }
 
 /// What stands before a mark, and the number from 0 to `most` behind it, if the mark is there.
@@ -167,8 +179,9 @@ pub fn unknown(name: &str, others: &[&str]) -> String {
     let names: Vec<&str> = names.copied().collect();
     format!(
         "there is no scheme `{name}`: choose one of {}; behind it may stand @SHARE (0 to 1), the least \
-         distance from the views so far, then for `compare` and `evaluate` +move=COST (0 to 1), then \
-         for `evaluate` +stop=GAIN (0 or more)",
+         distance from the views so far, +opposite=WEIGHT (0 to 1), how much the side opposite a view \
+         counts as that view, +start=VIEWS, the number of first views, then for `compare` and \
+         `evaluate` +move=COST (0 to 1), then for `evaluate` +stop=GAIN (0 or more)",
         names.join(", ")
     )
 }
@@ -205,7 +218,19 @@ mod tests {
         let stop = Stop { gain: 0.02, ..Stop::default() };
         let priced = Plan::support(5).with_movement_cost(0.5).with_stop(stop);
         assert_eq!(plan("soarnet-support+move=0.5+stop=0.02", 5, 0), Some(priced));
-        for name in ["e@1.1", "e@", "e+move=2", "e+move=", "e+stop=-1", "e+stop=1+move=1", "e+2"] {
+        let begun = Plan::farthest_point(5).with_opposite(0.5).with_start_views(1);
+        assert_eq!(plan("fps+opposite=0.5+start=1", 5, 0), Some(begun));
+        for name in [
+            "e+start=1.5",
+            "e+opposite=2",
+            "e@1.1",
+            "e@",
+            "e+move=2",
+            "e+move=",
+            "e+stop=-1",
+            "e+stop=1+move=1",
+            "e+2",
+        ] {
             assert!(plan(name, 5, 0).is_none(), "{name}");
         }
         assert!(stops("e@0.5+stop=0.02") && !stops("e+move=0.5"));

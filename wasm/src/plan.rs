@@ -20,12 +20,14 @@ export type Scheme =
 /** A whole plan. Without `seed` it is 0. `movementCost` in [0, 1] is the share of a gain that half a
  *  turn around `centre` costs; without `centre` (metres) it is the pool's. `dispersion` in [0, 1] is how
  *  far from all photos so far the next one must be, as a share of the distance that the farthest candidate
- *  has; only what asks for gains minds it. `stop` ends the session after `patience` choices in a row that
+ *  has; only what asks for gains minds it. `opposite` in [0, 1] is how much standing opposite a photo
+ *  counts as standing at it: the outline is the same from there. `stop` ends the session after `patience` choices in a row that
  *  promised less than `gain`. `start` and `startViews` say how and how many first views are chosen;
  *  usually 3, farthest from each other. "support" needs a model that looks at photos: with another it takes
  *  the farthest. */
 export type Plan = {
   scheme: Scheme; budget: number; seed?: number; movementCost?: number; dispersion?: number;
+  opposite?: number;
   stop?: { gain: number; patience: number };
   start?: "farthest-point" | "pseudo-coverage"; startViews?: number; centre?: Point;
 };
@@ -49,6 +51,9 @@ pub fn read(plan: &JsValue, centre: Vec3) -> Result<Plan, Refusal> {
     }
     if let Some(share) = input::optional_number(plan, "dispersion")? {
         read = read.with_dispersion(share as f32);
+    }
+    if let Some(weight) = input::optional_number(plan, "opposite")? {
+        read = read.with_opposite(weight as f32);
     }
     if let Some(stop) = input::field(plan, "stop") {
         let patience = input::number(&stop, "patience")?;

@@ -33,7 +33,7 @@
 /*
  Bytes for each candidate, for models of the default sizes.
  */
-#define VANTAGE_CANDIDATE_BYTES 524
+#define VANTAGE_CANDIDATE_BYTES 528
 
 /*
  Bytes for each view, for models of the default sizes.

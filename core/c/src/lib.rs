@@ -29,7 +29,7 @@ pub const VANTAGE_ABI: u32 = 1;
 /// Bytes of a session that do not depend on its candidates and views: for `VANTAGE_SESSION_SIZE`.
 pub const VANTAGE_SESSION_BYTES: usize = 81_152;
 /// Bytes for each candidate, for models of the default sizes.
-pub const VANTAGE_CANDIDATE_BYTES: usize = 524;
+pub const VANTAGE_CANDIDATE_BYTES: usize = 528;
 /// Bytes for each view, for models of the default sizes.
 pub const VANTAGE_VIEW_BYTES: usize = 628;
 

@@ -21,7 +21,7 @@ use vantage_core::soarnet::{ImageError, ModelError, PhotoError, Pixels, SetupErr
 use vantage_core::{Pose, PoseError, Quat, Scores, Vec3};
 
 /// The version that is spoken here.
-pub const VERSION: u8 = 2;
+pub const VERSION: u8 = 3;
 
 /// A question or an order.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

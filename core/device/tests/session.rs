@@ -738,7 +738,7 @@ fn a_model_of_another_version_is_told_and_the_line_stays_open() {
 fn the_example_in_the_documentation_is_the_request_and_other_versions_are_told() {
     let mut packet = [0; PACKET];
     let status = frame::write(&(VERSION, 1u32, Command::Status), &mut packet).unwrap();
-    assert_eq!(status, [0, 3, 2, 1, 5, 0x3d, 0x3c, 0xde, 0xe5, 0]);
+    assert_eq!(status, [0, 3, 3, 1, 5, 0x0a, 0x56, 0x1c, 0xe4, 0]);
 
     let mut world = World::new(POSES, Faults::default());
     let other = frame::write(&(VERSION + 1, 300u32, 12u8), &mut packet).unwrap().to_vec();

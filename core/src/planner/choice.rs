@@ -45,24 +45,42 @@ impl Movement {
     }
 }
 
-/// The squared distance from the views that a candidate needs at least, metres²: `share` of that of the
-/// farthest one.
-pub(super) fn floor(candidates: &[Candidate], share: f32) -> f32 {
-    let available = candidates.iter().filter(|c| c.is_available());
-    let farthest = available.map(|c| c.nearest_squared).fold(0.0, f32::max);
-    // Before the first view everything is as far as anything.
-    if farthest.is_finite() { share * share * farthest } else { 0.0 }
+/// How far a candidate is from the views, and how far it must be.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Apart {
+    opposite: f32,
+    least_squared: f32, // metres²
+}
+
+impl Apart {
+    /// As a plan has it: at least `share` of the distance that the farthest candidate has.
+    pub(super) fn new(candidates: &[Candidate], opposite: f32, share: f32) -> Self {
+        let available = candidates.iter().filter(|c| c.is_available());
+        let farthest = available.map(|c| c.apart_squared(opposite)).fold(0.0, f32::max);
+        // Before the first view everything is as far as anything.
+        let least_squared = if farthest.is_finite() { share * share * farthest } else { 0.0 };
+        Self { opposite, least_squared }
+    }
+
+    fn squared(&self, candidate: &Candidate) -> f32 {
+        candidate.apart_squared(self.opposite)
+    }
+
+    /// The same distances, however small.
+    fn any(self) -> Self {
+        Self { least_squared: 0.0, ..self }
+    }
 }
 
 /// The available candidate of the highest value, of those far enough from the views; NaN never wins.
 fn best(
     candidates: &[Candidate],
-    floor: f32,
+    apart: Apart,
     value: impl Fn(usize, &Candidate) -> f32,
 ) -> Option<(usize, f32)> {
     let mut best = None;
     for (index, candidate) in candidates.iter().enumerate() {
-        if !candidate.is_available() || candidate.nearest_squared < floor {
+        if !candidate.is_available() || apart.squared(candidate) < apart.least_squared {
             continue;
         }
         let value = value(index, candidate);
@@ -84,7 +102,7 @@ pub(super) fn by_objective<S: Scorer>(
     candidates: &mut [Candidate],
     views: usize,
     movement: Movement,
-    floor: f32,
+    apart: Apart,
 ) -> Option<Choice> {
     // The stamp of an answer that is up to date.
     let now = (views as u32).saturating_add(1);
@@ -96,7 +114,7 @@ pub(super) fn by_objective<S: Scorer>(
     // bound until the highest is up to date: no other can then exceed it, and of those that could
     // equal it each one of a lower index has been asked.
     loop {
-        let (index, _) = best(candidates, floor, |_, c| movement.value(c, c.gain(objective)))?;
+        let (index, _) = best(candidates, apart, |_, c| movement.value(c, c.gain(objective)))?;
         let candidate = candidates.get_mut(index)?;
         if candidate.asked(objective) == now {
             return Some(Choice { index, gain: candidate.gain(objective) });
@@ -113,7 +131,7 @@ pub(super) fn by_sum<S: Scorer>(
     candidates: &mut [Candidate],
     views: usize,
     movement: Movement,
-    floor: f32,
+    apart: Apart,
 ) -> Option<Choice> {
     let now = (views as u32).saturating_add(1);
     let ranges = Objective::ALL.map(|objective| {
@@ -132,7 +150,7 @@ pub(super) fn by_sum<S: Scorer>(
         });
         shares.sum()
     };
-    let (index, _) = best(candidates, floor, |_, c| movement.value(c, sum(c)))?;
+    let (index, _) = best(candidates, apart, |_, c| movement.value(c, sum(c)))?;
     // The mean of the four gains is what the stop rule compares.
     let gains = candidates.get(index).map(|c| Objective::ALL.map(|o| c.gain(o)));
     let gain = gains.map_or(0.0, |gains| gains.iter().sum::<f32>() / 4.0);
@@ -144,10 +162,10 @@ pub(super) fn by_support<S: Scorer>(
     scorer: &S,
     candidates: &[Candidate],
     movement: Movement,
-    floor: f32,
+    apart: Apart,
 ) -> Option<Choice> {
     let gain = |index: usize, c: &Candidate| scorer.support(index, c.pose());
-    let (index, _) = best(candidates, floor, |index, c| movement.value(c, gain(index, c)))?;
+    let (index, _) = best(candidates, apart, |index, c| movement.value(c, gain(index, c)))?;
     Some(Choice { index, gain: gain(index, candidates.get(index)?) })
 }
 
@@ -167,9 +185,13 @@ pub(super) fn refresh<S: Scorer>(
 /// The candidate farthest from every view; its gain is that distance in metres.
 ///
 /// `None` where no view has been taken: everything is as far as anything.
-pub(super) fn by_distance(candidates: &[Candidate], movement: Movement) -> Option<Choice> {
-    let distance = |c: &Candidate| math::sqrt(c.nearest_squared);
-    let (index, _) = best(candidates, 0.0, |_, c| movement.value(c, distance(c)))?;
+pub(super) fn by_distance(
+    candidates: &[Candidate],
+    movement: Movement,
+    apart: Apart,
+) -> Option<Choice> {
+    let distance = |c: &Candidate| math::sqrt(apart.squared(c));
+    let (index, _) = best(candidates, apart.any(), |_, c| movement.value(c, distance(c)))?;
     let gain = candidates.get(index).map(distance)?;
     gain.is_finite().then_some(Choice { index, gain })
 }
@@ -184,9 +206,10 @@ pub(super) fn by_chance(candidates: &[Candidate], seed: u64, draw: u64) -> Optio
 }
 
 /// The extreme candidate along the axis of a starting step: +x, +y, +z.
-fn by_axis(candidates: &[Candidate], step: usize, centre: Vec3) -> Option<Choice> {
+fn by_axis(candidates: &[Candidate], step: usize, centre: Vec3, apart: Apart) -> Option<Choice> {
     let axis = *[Vec3::X, Vec3::Y, Vec3::Z].get(step)?;
-    let (index, gain) = best(candidates, 0.0, |_, c| (c.pose().position() - centre).dot(axis))?;
+    let along = |_, c: &Candidate| (c.pose().position() - centre).dot(axis);
+    let (index, gain) = best(candidates, apart.any(), along)?;
     Some(Choice { index, gain })
 }
 
@@ -197,14 +220,15 @@ pub(super) fn by_start(
     candidates: &[Candidate],
     centre: Vec3,
     movement: Movement,
+    apart: Apart,
     chance: (u64, u64),
 ) -> Option<Choice> {
     let extreme = match start {
-        Start::PseudoCoverage => by_axis(candidates, step, centre),
+        Start::PseudoCoverage => by_axis(candidates, step, centre, apart),
         Start::FarthestPoint => None,
     };
     extreme
-        .or_else(|| by_distance(candidates, movement))
+        .or_else(|| by_distance(candidates, movement, apart))
         .or_else(|| by_chance(candidates, chance.0, chance.1))
 }
 

@@ -1,5 +1,6 @@
 //! Where a session keeps its candidates and views: in whatever memory its owner has.
 
+use glam::Vec3;
 use heapless::Vec;
 
 use crate::objectives::Objective;
@@ -24,9 +25,10 @@ pub enum Status {
 pub struct Candidate {
     pose: Pose,
     pub(super) status: Status,
-    pub(super) nearest_squared: f32, // squared distance to the nearest view, metres²; infinite at first
-    gains: [f32; 4],                 // as last asked, by objective
-    asked: [u32; 4],                 // after how many views, plus one; 0 for never
+    nearest_squared: f32, // squared distance to the nearest view, metres²; infinite at first
+    opposite_squared: f32, // to the nearest place opposite a view, likewise
+    gains: [f32; 4],      // as last asked, by objective
+    asked: [u32; 4],      // after how many views, plus one; 0 for never
 }
 
 impl Candidate {
@@ -35,6 +37,7 @@ impl Candidate {
             pose,
             status: Status::Available,
             nearest_squared: f32::INFINITY,
+            opposite_squared: f32::INFINITY,
             gains: [0.0; 4],
             asked: [0; 4],
         }
@@ -53,6 +56,29 @@ impl Candidate {
     /// Whether it may be chosen now.
     pub fn is_available(&self) -> bool {
         self.status == Status::Available
+    }
+
+    /// Takes a view's distance into account, around the centre of the views.
+    pub(super) fn see(&mut self, view: Vec3, centre: Vec3) {
+        let here = self.pose.position();
+        self.nearest_squared = self.nearest_squared.min(here.distance_squared(view));
+        let opposite = here.distance_squared(2.0 * centre - view);
+        self.opposite_squared = self.opposite_squared.min(opposite);
+    }
+
+    /// Forgets all distances.
+    pub(super) fn unsee(&mut self) {
+        (self.nearest_squared, self.opposite_squared) = (f32::INFINITY, f32::INFINITY);
+    }
+
+    /// How far it is from the views, squared, metres²: the nearest one, or the nearest place opposite one,
+    /// that distance divided by `opposite` if this is not 0.
+    pub(super) fn apart_squared(&self, opposite: f32) -> f32 {
+        if opposite > 0.0 {
+            self.nearest_squared.min(self.opposite_squared / (opposite * opposite))
+        } else {
+            self.nearest_squared
+        }
     }
 
     /// The gain in an objective as last asked, which may be some views ago; 0 where never.

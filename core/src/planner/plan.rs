@@ -87,6 +87,7 @@ pub struct Plan {
     pub(crate) seed: u64,
     pub(crate) movement_cost: f32,
     pub(crate) dispersion: f32,
+    pub(crate) opposite: f32,
     pub(crate) stop: Option<Stop>,
     pub(crate) centre: Vec3,
 }
@@ -114,6 +115,11 @@ pub enum PlanError {
         /// The share given.
         share: f32,
     },
+    /// The weight of opposite sides is not in [0, 1].
+    BadOpposite {
+        /// The weight given.
+        weight: f32,
+    },
     /// The stop rule's gain is negative or NaN, or its patience is 0.
     BadStop,
     /// Random and farthest-point schemes expect no gain, so no rule on it can end them.
@@ -136,6 +142,9 @@ impl fmt::Display for PlanError {
             }
             Self::BadDispersion { share } => {
                 write!(f, "the dispersion must lie between 0 and 1, not {share}")
+            }
+            Self::BadOpposite { weight } => {
+                write!(f, "the weight of opposite sides must lie between 0 and 1, not {weight}")
             }
             Self::BadStop => {
                 f.write_str("the stop rule needs a gain of at least 0 and a patience of at least 1")
@@ -164,6 +173,7 @@ impl Plan {
             seed: 0,
             movement_cost: 0.0,
             dispersion: 0.0,
+            opposite: 0.0,
             stop: None,
             centre: Vec3::ZERO,
         }
@@ -189,9 +199,11 @@ impl Plan {
         Self::new(Scheme::Sum, budget)
     }
 
-    /// The most support, among the candidates that stand at least 0.6 of the way out.
+    /// The most support from the second view on, among the candidates that stand at least 0.6 of the way
+    /// out, where opposite sides count half.
     pub fn support(budget: usize) -> Self {
-        Self::new(Scheme::Support, budget).with_dispersion(0.6)
+        let plan = Self::new(Scheme::Support, budget).with_start_views(1);
+        plan.with_dispersion(0.6).with_opposite(0.5)
     }
 
     /// Farthest-point sampling from a candidate drawn by the seed.
@@ -237,6 +249,13 @@ impl Plan {
         Self { dispersion, ..self }
     }
 
+    /// How much standing opposite a view counts as standing at it, in [0, 1]: seen around the centre,
+    /// a photo from the opposite side shows the same outline, mirrored. With 0.5 a candidate 10 degrees
+    /// from there is as near as one 20 degrees from the view; 0 counts views alone.
+    pub fn with_opposite(self, opposite: f32) -> Self {
+        Self { opposite, ..self }
+    }
+
     /// A rule that ends the session before its budget is spent.
     pub fn with_stop(self, stop: Stop) -> Self {
         Self { stop: Some(stop), ..self }
@@ -275,6 +294,9 @@ impl Plan {
         }
         if !(0.0..=1.0).contains(&self.dispersion) {
             return Err(PlanError::BadDispersion { share: self.dispersion });
+        }
+        if !(0.0..=1.0).contains(&self.opposite) {
+            return Err(PlanError::BadOpposite { weight: self.opposite });
         }
         if let Some(Stop { gain, patience }) = self.stop {
             if !(gain >= 0.0 && patience > 0) {

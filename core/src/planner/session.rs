@@ -3,7 +3,9 @@
 
 use core::fmt;
 
-use super::choice::{self, Choice, Movement};
+use glam::Vec3;
+
+use super::choice::{self, Apart, Choice, Movement};
 use super::memory::{Candidate, Memory, Status, View};
 use super::plan::{ENSEMBLE, Phase, Plan, PlanError, Scheme, Start};
 use super::scorer::Scorer;
@@ -221,14 +223,13 @@ impl<S: Scorer, M: Memory> Session<S, M> {
         if step >= self.plan.budget || self.is_good_enough() {
             return None;
         }
-        let Plan { scheme, start, start_views, seed, movement_cost, dispersion, centre, .. } =
-            self.plan;
+        let Plan { scheme, start, start_views, seed, movement_cost, centre, .. } = self.plan;
         let movement = Movement::new(movement_cost, centre, self.memory.views());
         let chance = (seed, self.draws);
         let candidates = self.memory.candidates_mut();
-        let floor = choice::floor(candidates, dispersion);
+        let apart = Apart::new(candidates, self.plan.opposite, self.plan.dispersion);
         let (choice, objective, reason) = if step < start_views {
-            let choice = choice::by_start(start, step, candidates, centre, movement, chance);
+            let choice = choice::by_start(start, step, candidates, centre, movement, apart, chance);
             (choice.map(|choice| Choice { gain: 0.0, ..choice }), None, Reason::Start)
         } else {
             match scheme {
@@ -237,8 +238,9 @@ impl<S: Scorer, M: Memory> Session<S, M> {
                 }
                 Scheme::FarthestPoint => {
                     let farthest = Start::FarthestPoint;
-                    let choice =
-                        choice::by_start(farthest, step, candidates, centre, movement, chance);
+                    let choice = choice::by_start(
+                        farthest, step, candidates, centre, movement, apart, chance,
+                    );
                     (choice, None, Reason::Farthest)
                 }
                 Scheme::Single(_) | Scheme::Ensemble(_) => {
@@ -249,19 +251,23 @@ impl<S: Scorer, M: Memory> Session<S, M> {
                         candidates,
                         step,
                         movement,
-                        floor,
+                        apart,
                     );
                     (choice, Some(objective), Reason::Objective(objective))
                 }
                 Scheme::Sum => {
-                    let choice = choice::by_sum(&self.scorer, candidates, step, movement, floor);
+                    let choice = choice::by_sum(&self.scorer, candidates, step, movement, apart);
                     (choice, None, Reason::AllObjectives)
                 }
                 Scheme::Support => {
-                    let choice = choice::by_support(&self.scorer, candidates, movement, floor);
+                    let choice = choice::by_support(&self.scorer, candidates, movement, apart);
                     match choice.filter(|choice| choice.gain > 0.0) {
                         // A scorer that does not know support, or an object that no photo shows.
-                        None => (choice::by_distance(candidates, movement), None, Reason::Farthest),
+                        None => (
+                            choice::by_distance(candidates, movement, apart),
+                            None,
+                            Reason::Farthest,
+                        ),
                         some => (some, None, Reason::Support),
                     }
                 }
@@ -316,8 +322,7 @@ impl<S: Scorer, M: Memory> Session<S, M> {
             return Err(ObserveError::Session(SessionError::TooManyViews { capacity }));
         }
         for (place, candidate) in self.memory.candidates_mut().iter_mut().enumerate() {
-            let distance = candidate.pose().position().distance_squared(pose.position());
-            candidate.nearest_squared = candidate.nearest_squared.min(distance);
+            candidate.see(pose.position(), self.plan.centre);
             if Some(place) == index {
                 candidate.status = Status::Visited;
             } else if candidate.status == Status::Skipped {
@@ -377,10 +382,27 @@ impl<S: Scorer, M: Memory> Session<S, M> {
     /// Goes on with another plan; views, blocked candidates and scores stay.
     pub fn replan(&mut self, plan: Plan) -> Result<(), SessionError> {
         self.check(&plan)?;
+        if plan.centre != self.plan.centre {
+            self.measure(plan.centre);
+        }
         self.plan = plan;
         self.weak = 0;
         self.pending = None;
         Ok(())
+    }
+
+    /// Tells the candidates how far they are from the views around a centre.
+    fn measure(&mut self, centre: Vec3) {
+        for candidate in self.memory.candidates_mut() {
+            candidate.unsee();
+        }
+        for index in 0..self.memory.views().len() {
+            let Some(view) = self.memory.views().get(index) else { break };
+            let eye = view.pose.position();
+            for candidate in self.memory.candidates_mut() {
+                candidate.see(eye, centre);
+            }
+        }
     }
 
     /// Why there is no next view; `None` while there is one.

@@ -14,20 +14,21 @@
 //! follow from the rest.
 //!
 //! The snapshot of a new session, `Plan::random(1)` over one candidate at (1, 2, 3) with the
-//! [`Blind`] scorer, is these 75 bytes (`core/tests/snapshot.rs` compares them):
+//! [`Blind`] scorer, is these 79 bytes (`core/tests/snapshot.rs` compares them):
 //!
 //! ```text
 //! 56 4e 54 47                          magic
-//! 02 00                                version 2
-//! 3d 00 00 00                          61 bytes of payload
+//! 03 00                                version 3
+//! 41 00 00 00                          65 bytes of payload
 //! 00 01 01 00 00                       plan: Random, budget 1, FarthestPoint, 0 start views, seed 0
-//! 00 00 00 00  00 00 00 00  00         movement cost 0.0, dispersion 0.0, no stop rule
+//! 00 00 00 00  00 00 00 00  00 00 00 00   movement cost, dispersion, opposite: 0.0
+//! 00                                   no stop rule
 //! 00 00 00 00  00 00 00 00  00 00 00 00   centre (0, 0, 0)
 //! 00 00 00 01 00 00                    0 settled, 0 weak, scorer 0, 1 candidate, 0 views, none due
 //! 00 00 80 3f  00 00 00 40  00 00 40 40   position (1, 2, 3)
 //! 00 00 00 00  00 00 00 00  00 00 00 00  00 00 80 3f   rotation (0, 0, 0, 1)
 //! 00                                   Available
-//! 38 a6 4f ff                          CRC-32
+//! df 91 c9 a4                          CRC-32
 //! ```
 
 use serde::{Deserialize, Serialize};
@@ -151,8 +152,7 @@ impl<S: Persist, M: Memory> Session<S, M> {
                 return Err(SnapshotError::Malformed);
             }
             for candidate in memory.candidates_mut() {
-                let distance = candidate.pose().position().distance_squared(view.pose.position());
-                candidate.nearest_squared = candidate.nearest_squared.min(distance);
+                candidate.see(view.pose.position(), head.plan.centre);
             }
             memory.push_view(view).map_err(|_| SnapshotError::TooLarge)?;
         }
