@@ -32,7 +32,10 @@ pub const SCHEMES: [(&str, &str); 24] = [
     ("d", "ray diversity alone"),
     ("t", "textural complexity alone"),
     ("sum", "the sum of the four gains, each brought to the same range"),
-    ("support", "angular support and empty space, among views at least 0.6 of the way out"),
+    (
+        "support",
+        "angular support and empty space, among views away from earlier ones and their opposites",
+    ),
     ("fps", "farthest-point sampling"),
     ("pc-fps", "pseudo-coverage, then farthest-point sampling"),
     ("random", "candidates by chance"),

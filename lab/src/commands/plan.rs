@@ -49,7 +49,7 @@ pub struct PlanArgs {
     /// Seed of what the planner leaves to chance: the first view, and the random scheme
     #[arg(long, default_value_t = 0, value_name = "K")]
     pub seed: u64,
-    /// How the first three views are chosen, where the scheme does not say
+    /// How the first views are chosen, one for support, else three, where the scheme does not say
     #[arg(long, value_enum)]
     pub start: Option<StartArg>,
     /// Share of a view's gain that half a turn of the camera costs it, 0 to 1
@@ -76,7 +76,7 @@ pub struct PlanArgs {
     pub json: bool,
 }
 
-/// Ways to the first three views.
+/// Ways to the first views.
 #[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StartArg {
     /// One by chance, then the farthest from those taken
@@ -177,8 +177,10 @@ fn plan_of(args: &PlanArgs) -> Result<Plan> {
 
 /// The plan of a scheme with the options that all plans share.
 pub(super) fn with_options(args: &PlanArgs, scheme: &str, budget: usize) -> Result<Plan> {
-    if scheme.contains('+') {
-        bail!("leave out what follows + in {scheme}: `plan` has --movement-cost and --stop for it");
+    if ["+move=", "+stop="].iter().any(|mark| scheme.contains(mark)) {
+        bail!(
+            "leave out +move and +stop in {scheme}: `plan` has --movement-cost and --stop for them"
+        );
     }
     let plan = scheme::plan(scheme, budget, args.seed)
         .with_context(|| scheme::unknown(scheme, &[]))?
