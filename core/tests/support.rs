@@ -136,7 +136,8 @@ proptest! {
             let away = |index: usize| {
                 let from = views.iter().map(|&view| ball.poses[view].position());
                 let here = ball.poses[index].position();
-                let near = |view: Vec3| here.distance(view).min(here.distance(-view) / opposite);
+                let weight = if views.len() < Plan::OPPOSITE_VIEWS { opposite } else { 0.0 };
+                let near = |view: Vec3| here.distance(view).min(here.distance(-view) / weight);
                 from.map(near).fold(f32::INFINITY, f32::min)
             };
             let rest: Vec<usize> = (0..CANDIDATES).filter(|index| !views.contains(index)).collect();

@@ -164,6 +164,10 @@ impl Plan {
     /// The views that the paper starts with, and we too.
     pub const START_VIEWS: usize = 3;
 
+    /// After so many views opposite sides count no more: by then the outline is known from all around,
+    /// and what they show of the surface is all new.
+    pub const OPPOSITE_VIEWS: usize = 6;
+
     fn new(scheme: Scheme, budget: usize) -> Self {
         Self {
             scheme,
@@ -249,9 +253,10 @@ impl Plan {
         Self { dispersion, ..self }
     }
 
-    /// How much standing opposite a view counts as standing at it, in [0, 1]: seen around the centre,
-    /// a photo from the opposite side shows the same outline, mirrored. With 0.5 a candidate 10 degrees
-    /// from there is as near as one 20 degrees from the view; 0 counts views alone.
+    /// How much standing opposite a view counts as standing at it, in [0, 1], until
+    /// [`OPPOSITE_VIEWS`](Self::OPPOSITE_VIEWS) have been taken: seen around the centre, a photo from the
+    /// opposite side shows the same outline, mirrored. With 0.5 a candidate 10 degrees from there is as
+    /// near as one 20 degrees from the view; 0 counts views alone.
     pub fn with_opposite(self, opposite: f32) -> Self {
         Self { opposite, ..self }
     }

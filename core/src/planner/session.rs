@@ -227,7 +227,8 @@ impl<S: Scorer, M: Memory> Session<S, M> {
         let movement = Movement::new(movement_cost, centre, self.memory.views());
         let chance = (seed, self.draws);
         let candidates = self.memory.candidates_mut();
-        let apart = Apart::new(candidates, self.plan.opposite, self.plan.dispersion);
+        let opposite = if step < Plan::OPPOSITE_VIEWS { self.plan.opposite } else { 0.0 };
+        let apart = Apart::new(candidates, opposite, self.plan.dispersion);
         let (choice, objective, reason) = if step < start_views {
             let choice = choice::by_start(start, step, candidates, centre, movement, apart, chance);
             (choice.map(|choice| Choice { gain: 0.0, ..choice }), None, Reason::Start)
