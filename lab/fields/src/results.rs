@@ -165,7 +165,7 @@ fn quality(summary: &Summary) -> String {
     })
 }
 
-/// A picture of all that was planned on every object, and what it shows in words.
+/// A picture of the schemes without suffixes that planned every object, and what it shows in words.
 ///
 /// Means over fewer objects would lie beside those over all as if they could be compared.
 fn plot(summary: &Summary, baseline: &str) -> Result<(String, String)> {
@@ -177,7 +177,8 @@ fn plot(summary: &Summary, baseline: &str) -> Result<(String, String)> {
     let mut schemes: Vec<String> = Vec::new();
     for Row { scheme, .. } in &summary.rows {
         let is_hindsight = plans::HINDSIGHT.iter().any(|(name, _)| name == scheme);
-        if !is_hindsight && is_whole(scheme) && !schemes.contains(scheme) {
+        let is_plain = !scheme.contains(['@', '+']);
+        if is_plain && !is_hindsight && is_whole(scheme) && !schemes.contains(scheme) {
             schemes.push(scheme.clone());
         }
     }
