@@ -45,7 +45,7 @@ impl Movement {
     }
 }
 
-/// How far a candidate is from the views, and how far it must be.
+/// How far candidates are from the views as a plan counts it, and how far they must be.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Apart {
     opposite: f32,
@@ -182,7 +182,7 @@ pub(super) fn refresh<S: Scorer>(
     }
 }
 
-/// The candidate farthest from every view; its gain is that distance in metres.
+/// The candidate farthest from every view; its gain is that distance in metres, as it counts.
 ///
 /// `None` where no view has been taken: everything is as far as anything.
 pub(super) fn by_distance(

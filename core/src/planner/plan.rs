@@ -161,7 +161,7 @@ impl fmt::Display for PlanError {
 impl core::error::Error for PlanError {}
 
 impl Plan {
-    /// The views that the paper starts with, and we too.
+    /// The views that the paper starts with, and all plans here but those by support and by chance.
     pub const START_VIEWS: usize = 3;
 
     /// After so many views opposite sides count no more: by then the outline is known from all around,
