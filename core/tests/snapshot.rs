@@ -84,7 +84,7 @@ fn every_plan() -> Vec<Plan> {
         Plan::single(Objective::Diversity, 12),
         Plan::single(Objective::Texture, 12),
         Plan::sum(12).with_stop(stop).with_dispersion(0.5),
-        Plan::farthest_point(12).with_seed(3).with_opposite(0.5),
+        Plan::farthest_point(12).with_opposite(0.5).with_centre(Vec3::new(0.1, -0.2, 0.3)),
         Plan::pseudo_coverage(12),
         Plan::random(12).with_seed(9),
     ]

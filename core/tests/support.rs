@@ -142,7 +142,7 @@ proptest! {
             };
             let rest: Vec<usize> = (0..CANDIDATES).filter(|index| !views.contains(index)).collect();
             let farthest = rest.iter().map(|&index| away(index)).fold(0.0, f32::max);
-            if views.len() >= Plan::START_VIEWS {
+            if !views.is_empty() {
                 prop_assert_eq!(next.reason, Reason::Support);
                 prop_assert!(away(next.index) >= share * farthest * 0.9999);
                 let gain = |index: usize| ball.value(&[views.as_slice(), &[index]].concat());
@@ -225,6 +225,23 @@ fn opposite_sides_are_those_of_the_plans_centre_also_of_a_later_plan() {
     let (plan_here, plan_there) = (plan.with_centre(here), plan.with_centre(there));
     assert_eq!(follow(plan_here, plan_there), follow(plan_there, plan_there));
     assert_ne!(follow(plan_here, plan_here), follow(plan_there, plan_there));
+}
+
+#[test]
+fn support_with_no_first_views_begins_by_chance() {
+    let ball = Ball::new(60, 5);
+    let glimpses = ball.glimpses();
+    let (mut sums, mut empty) = (vec![0.0; 60], vec![0; VOXELS.div_ceil(32)]);
+    let poses = || ball.poses.iter().copied();
+    let blind = Plan::support(3).with_start_views(0).with_seed(4);
+    let mut session = Session::try_new(Room::default(), poses(), Blind, blind).unwrap();
+    let first = session.next_view().unwrap();
+    session.observe(first.index, first.pose, &()).unwrap();
+    assert_eq!(session.next_view().unwrap().reason, Reason::Farthest);
+    let ledger = SupportLedger::try_new(&ball.targets, VOXELS, &mut sums, &mut empty).unwrap();
+    let exact = ExactSupport::new(ledger, &glimpses);
+    let mut session = Session::try_new(Room::default(), poses(), exact, blind).unwrap();
+    assert_eq!(session.next_view().unwrap().reason, Reason::Support);
 }
 
 #[test]

@@ -23,7 +23,8 @@ export type Scheme =
  *  has; only what asks for gains minds it. `opposite` in [0, 1] is how much standing opposite a photo
  *  counts as standing at it, until six have been taken: the outline is the same from there. `stop` ends
  *  the session after `patience` choices in a row that promised less than `gain`. `start` and `startViews`
- *  say how and how many first views are chosen: one for "support", else 3, farthest from each other.
+ *  say how and how many first views are chosen: one for "support", none for
+ *  "random", else 3, farthest from each other.
  *  "support" needs a model that looks at photos: with another it takes the farthest. */
 export type Plan = {
   scheme: Scheme; budget: number; seed?: number; movementCost?: number; dispersion?: number;

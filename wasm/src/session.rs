@@ -22,7 +22,8 @@ const TYPES: &str = r#"
 /** The next view: its number, pose (rows of world_from_camera, 12 numbers), and why. `objective` is
  *  the one that chose it, if one did. `gain` is what is expected of it: of the objective, where 1 is
  *  all that can be had; of the mean of all four for "all-objectives"; of the hull's support, about 2.5 in all,
- *  for "support"; the distance to the nearest view in metres for "farthest"; 0 for "start" and "chance". */
+ *  for "support"; the distance to the nearest view in metres (or to its opposite side, as it counts) for
+ *  "farthest"; 0 for "start" and "chance". */
 export type NextView = {
   index: number; pose: Float32Array; gain: number; objective?: Objective;
   reason: "start" | "chance" | "farthest" | "all-objectives" | "support" | Objective; why: string;

@@ -312,7 +312,8 @@ enum vantage_scheme
      */
     VANTAGE_SCHEME_RANDOM = 7,
     /*
-     Most support for later views, well away from all views so far. Needs a model that looks at photos.
+     Most support for later views, well away from all views so far and, for six views, from their
+     opposite sides. Needs a model that looks at photos.
      */
     VANTAGE_SCHEME_SUPPORT = 8,
 };

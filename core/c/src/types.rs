@@ -27,7 +27,8 @@ pub enum Scheme {
     FarthestPoint = 6,
     /// By chance; looks at no photo.
     Random = 7,
-    /// Most support for later views, well away from all views so far. Needs a model that looks at photos.
+    /// Most support for later views, well away from all views so far and, for six views, from their
+    /// opposite sides. Needs a model that looks at photos.
     Support = 8,
 }
 

@@ -53,6 +53,9 @@ pub(super) struct Apart {
 }
 
 impl Apart {
+    /// Any distance will do.
+    const ANY: Self = Self { opposite: 0.0, least_squared: 0.0 };
+
     /// As a plan has it: at least `share` of the distance that the farthest candidate has.
     pub(super) fn new(candidates: &[Candidate], opposite: f32, share: f32) -> Self {
         let available = candidates.iter().filter(|c| c.is_available());
@@ -64,11 +67,6 @@ impl Apart {
 
     fn squared(&self, candidate: &Candidate) -> f32 {
         candidate.apart_squared(self.opposite)
-    }
-
-    /// The same distances, however small.
-    fn any(self) -> Self {
-        Self { least_squared: 0.0, ..self }
     }
 }
 
@@ -191,7 +189,7 @@ pub(super) fn by_distance(
     apart: Apart,
 ) -> Option<Choice> {
     let distance = |c: &Candidate| math::sqrt(apart.squared(c));
-    let (index, _) = best(candidates, apart.any(), |_, c| movement.value(c, distance(c)))?;
+    let (index, _) = best(candidates, Apart::ANY, |_, c| movement.value(c, distance(c)))?;
     let gain = candidates.get(index).map(distance)?;
     gain.is_finite().then_some(Choice { index, gain })
 }
@@ -206,10 +204,10 @@ pub(super) fn by_chance(candidates: &[Candidate], seed: u64, draw: u64) -> Optio
 }
 
 /// The extreme candidate along the axis of a starting step: +x, +y, +z.
-fn by_axis(candidates: &[Candidate], step: usize, centre: Vec3, apart: Apart) -> Option<Choice> {
+fn by_axis(candidates: &[Candidate], step: usize, centre: Vec3) -> Option<Choice> {
     let axis = *[Vec3::X, Vec3::Y, Vec3::Z].get(step)?;
     let along = |_, c: &Candidate| (c.pose().position() - centre).dot(axis);
-    let (index, gain) = best(candidates, apart.any(), along)?;
+    let (index, gain) = best(candidates, Apart::ANY, along)?;
     Some(Choice { index, gain })
 }
 
@@ -224,7 +222,7 @@ pub(super) fn by_start(
     chance: (u64, u64),
 ) -> Option<Choice> {
     let extreme = match start {
-        Start::PseudoCoverage => by_axis(candidates, step, centre, apart),
+        Start::PseudoCoverage => by_axis(candidates, step, centre),
         Start::FarthestPoint => None,
     };
     extreme

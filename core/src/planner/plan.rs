@@ -230,7 +230,8 @@ impl Plan {
         Self { start, ..self }
     }
 
-    /// Another number of first views than [`START_VIEWS`](Self::START_VIEWS); photos taken before the
+    /// Another number of first views than the scheme's own: none by chance, one by support, else
+    /// [`START_VIEWS`](Self::START_VIEWS); photos taken before the
     /// session may serve as them.
     pub fn with_start_views(self, start_views: usize) -> Self {
         Self { start_views, ..self }
@@ -248,7 +249,7 @@ impl Plan {
     }
 
     /// How far from all views so far the next one must be at least, in [0, 1]: as a share of the distance
-    /// that the farthest candidate has. Objectives choose among those only; 0 leaves them all.
+    /// that the farthest candidate has, opposite sides [as they count](Self::with_opposite). Objectives choose among those only; 0 leaves them all.
     pub fn with_dispersion(self, dispersion: f32) -> Self {
         Self { dispersion, ..self }
     }

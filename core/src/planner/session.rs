@@ -54,8 +54,8 @@ pub struct NextView {
     /// The objective that chose it, if one did.
     pub objective: Option<Objective>,
     /// The gain expected of it: of the objective, before smoothing; of the mean of all four in the
-    /// sum scheme; of support; the distance to the nearest view in metres for farthest points; 0 for the first
-    /// views and for chance.
+    /// sum scheme; of support; for farthest points the distance to the nearest view in metres, or to a
+    /// view's opposite side [as it counts](Plan::with_opposite); 0 for the first views and for chance.
     pub gain: f32,
     /// Why it was chosen.
     pub reason: Reason,
@@ -264,11 +264,13 @@ impl<S: Scorer, M: Memory> Session<S, M> {
                     let choice = choice::by_support(&self.scorer, candidates, movement, apart);
                     match choice.filter(|choice| choice.gain > 0.0) {
                         // A scorer that does not know support, or an object that no photo shows.
-                        None => (
-                            choice::by_distance(candidates, movement, apart),
-                            None,
-                            Reason::Farthest,
-                        ),
+                        None => {
+                            let farthest = Start::FarthestPoint;
+                            let choice = choice::by_start(
+                                farthest, step, candidates, centre, movement, apart, chance,
+                            );
+                            (choice, None, Reason::Farthest)
+                        }
                         some => (some, None, Reason::Support),
                     }
                 }
@@ -430,7 +432,7 @@ impl<S: Scorer, M: Memory> Session<S, M> {
         let start = self.memory.views().last().map(|view| view.pose.position() - centre);
         let place = |index: usize| {
             let candidate = self.memory.candidates().get(index);
-            candidate.map_or(glam::Vec3::ZERO, |c| c.pose().position() - centre)
+            candidate.map_or(Vec3::ZERO, |c| c.pose().position() - centre)
         };
         shortest_tour(start, place, remaining)
     }

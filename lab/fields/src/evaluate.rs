@@ -46,8 +46,10 @@ pub struct EvaluateArgs {
     /// Schemes, separated by commas: those of `plan`, e-exact (the same as e), fibonacci (an even
     /// lattice, not from the candidates), best-of-4-random and optimal-cqdt (the best in hindsight),
     /// activenerf (ActiveNeRF at a small size; it trains a network to choose: a minute for 20 views).
-    /// Behind those of `plan` may stand @SHARE, the least distance from the views so far, +move=COST,
-    /// as --movement-cost of `plan`, and +stop=GAIN, as its --stop, in this order: fps+move=0.5
+    /// Behind those of `plan` may stand, in this order, @SHARE, the least distance from the views so
+    /// far, +opposite=WEIGHT, how much the side opposite a view counts as that view, +start=VIEWS, the
+    /// number of first views, +move=COST, as --movement-cost of `plan`, +stop=GAIN, as its --stop:
+    /// fps+opposite=0.5+move=0.5
     #[arg(
         long,
         value_delimiter = ',',
@@ -90,8 +92,8 @@ pub struct EvaluateArgs {
     #[command(flatten)]
     pub pool: PoolArgs,
     /// The same candidates for all objects and seeds. Without it each object and seed draws its own, so
-    /// that no layout of views is common to all; `fibonacci`, `hemisphere`, `rings` and `spiral` have one
-    /// set of views, of which each object and seed draws its own first
+    /// that no layout of views is common to all; where the candidates are no matter of chance, as of
+    /// `hemisphere` or --pool FILE, it draws its own first view
     #[arg(long)]
     pub same_candidates: bool,
     /// Seed of a built-in object
@@ -235,7 +237,7 @@ fn settings_of(args: &EvaluateArgs) -> Result<Settings> {
     let mut recipe = Recipe::new(args.field, args.preset);
     recipe.steps = args.steps.unwrap_or(recipe.steps);
     let count = args.pool.candidates;
-    let pool = (args.pool.record(), args.pool.seed(), count, draws(args));
+    let pool = (args.pool.record(), args.pool.seed(), count, own(args));
     Ok(Settings {
         field: args.field,
         preset: args.preset,
@@ -249,9 +251,24 @@ fn settings_of(args: &EvaluateArgs) -> Result<Settings> {
     })
 }
 
-/// Whether each object and seed has candidates of its own.
-fn draws(args: &EvaluateArgs) -> bool {
-    !args.same_candidates && args.pool.has_chance()
+/// What each object and seed draws for itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+enum Own {
+    /// Its candidates.
+    Candidates,
+    /// Of the candidates that all share, the first.
+    FirstView,
+    /// Nothing that another does not draw too.
+    Nothing,
+}
+
+fn own(args: &EvaluateArgs) -> Own {
+    match (args.same_candidates, args.pool.has_chance()) {
+        (true, _) => Own::Nothing,
+        (false, true) => Own::Candidates,
+        (false, false) => Own::FirstView,
+    }
 }
 
 /// The candidates that an object and seed have of their own.
@@ -269,7 +286,7 @@ fn wanted_of(args: &EvaluateArgs, schemes: &[String]) -> Vec<Wanted> {
                 let one = Wanted { scheme: scheme.clone(), seed, budget };
                 let differs = seed == 0
                     || plans::has_chance(&scheme)
-                    || draws(args) && scheme != plans::FIBONACCI;
+                    || own(args) == Own::Candidates && scheme != plans::FIBONACCI;
                 if differs && !wanted.contains(&one) {
                     wanted.push(one);
                 }
@@ -340,7 +357,7 @@ impl Sweep<'_> {
             let subject = Rendered::new(mesh, self.camera, views, networks, &schemes)?;
             self.train_on(name, missing, &subject)
         };
-        if !draws(self.args) {
+        if own(self.args) != Own::Candidates {
             return train(self.poses, missing);
         }
         let mut runs = Vec::new();
@@ -357,8 +374,8 @@ impl Sweep<'_> {
     fn train_on(&self, name: &str, missing: &[&Wanted], subject: &dyn Subject) -> Result<Vec<Run>> {
         let test = subject.test();
         // Where all choose from the same views, each object begins elsewhere, or all had one layout.
-        let shared = !draws(self.args) && !self.args.same_candidates;
-        let chance = |seed| if shared { seed_of(&name_of(name), seed) } else { seed };
+        let begins = own(self.args) == Own::FirstView;
+        let chance = |seed| if begins { seed_of(&name_of(name), seed) } else { seed };
         // One plan for all budgets, unless it is no greedy one.
         let mut plans: Vec<(&str, u64, Views)> = Vec::new();
         let mut tasks: Vec<(&Wanted, Views)> = Vec::new();

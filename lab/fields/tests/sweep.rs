@@ -98,8 +98,9 @@ fn what_is_missing_is_done_and_nothing_else() {
 fn objects_have_candidates_of_their_own_unless_told_otherwise() {
     let home = tempfile::tempdir().unwrap();
     // Farthest points depend on candidates and seed alone.
+    let folder = |options: &[&str]| home.path().join(options.concat()).join("sweep");
     let views = |options: &[&str]| {
-        let out = home.path().join(format!("sweep{}", options.len()));
+        let out = folder(options);
         sweep_of(&[&["ball", "knot"], options].concat(), &out, "fps", "2").unwrap();
         let runs = runs(&out).into_iter().filter(|(_, run, _)| run.budget == 5);
         runs.map(|(_, run, _)| run.views.unwrap()).collect::<Vec<_>>()
@@ -108,6 +109,17 @@ fn objects_have_candidates_of_their_own_unless_told_otherwise() {
     assert_eq!((ball_0, ball_1), (knot_0, knot_1));
     let [ball_0, ball_1, knot_0, knot_1] = &views(&[])[..] else { panic!() };
     assert!(ball_0 != knot_0 && ball_1 != knot_1);
+
+    // A lattice has no candidates of anybody's own, but first views.
+    let lattice = "--space=hemisphere";
+    let [ball_0, ball_1, knot_0, knot_1] = &views(&[lattice])[..] else { panic!() };
+    assert!(ball_0[0] != knot_0[0] || ball_1[0] != knot_1[0]);
+    let shared = [lattice, "--same-candidates"];
+    let [ball_0, ball_1, knot_0, knot_1] = &views(&shared)[..] else { panic!() };
+    assert_eq!((ball_0, ball_1), (knot_0, knot_1));
+    // A folder that holds runs of one kind takes none of another.
+    let error = sweep_of(&["ball", lattice], &folder(&shared), "fps", "2").unwrap_err();
+    assert!(format!("{error:#}").contains("other settings"), "{error:#}");
 }
 
 #[test]

@@ -38,8 +38,9 @@ pub struct CompareArgs {
     /// Schemes, separated by commas: those of `plan`, where soarnet and soarnet-poses bring their
     /// plans of each objective along, and oracle (c, q, d and t: the exact plan of each objective).
     /// With oracle or a network, rank correlations and closed gaps are measured too. Behind those of
-    /// `plan` may stand @SHARE, the least distance from the views so far, then +move=COST, a price on
-    /// moving: fps+move=0.5
+    /// `plan` may stand, in this order, @SHARE, the least distance from the views so far,
+    /// +opposite=WEIGHT, how much the side opposite a view counts as that view, +start=VIEWS, the
+    /// number of first views, +move=COST, a price on moving: fps+move=0.5
     #[arg(long, value_delimiter = ',', default_value = "random,fps,e,c,q,d,t,sum")]
     pub schemes: Vec<String>,
     /// Budgets, separated by commas
@@ -542,7 +543,7 @@ fn metrics_table(metrics: &MetricsRecord) -> String {
         format!("{budget:>6}  {scheme:<24}{}\n", cells.concat())
     };
     let mut text = format!(
-        "\nAfter the same three first views by farthest points; means over objects with 95 % \
+        "\nAfter the same three first views by farthest points (plans by support: one); means over objects with 95 % \
          intervals from {} bootstrap\nresamples of the objects.\n",
         metrics.resamples
     );

@@ -49,7 +49,7 @@ pub struct PlanArgs {
     /// Seed of what the planner leaves to chance: the first view, and the random scheme
     #[arg(long, default_value_t = 0, value_name = "K")]
     pub seed: u64,
-    /// How the first views are chosen, one for support, else three, where the scheme does not say
+    /// How the first views are chosen (one for support, else three), where the scheme leaves it open
     #[arg(long, value_enum)]
     pub start: Option<StartArg>,
     /// Share of a view's gain that half a turn of the camera costs it, 0 to 1

@@ -198,7 +198,7 @@ export class Capture {
     const poses = record.photos.map((photo) => toPlan(record.layout, photo.pose));
     if (poses.length < 2) return record.photos.map((photo) => photo.number);
     const pool = core.Pool.fromPoses(Float32Array.from(poses.flatMap((pose) => [...pose])));
-    const session = new core.Session(pool, { scheme: "support", budget: poses.length, startViews: 1 }, model);
+    const session = new core.Session(pool, { scheme: "support", budget: poses.length }, model);
     pool.free();
     const order: number[] = [];
     for (let next = session.nextView(); next; next = session.nextView()) {
