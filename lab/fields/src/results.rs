@@ -8,6 +8,7 @@
 //! | `{{command STUDY}}` | the commands that made the runs |
 //! | `{{quality STUDY}}` | PSNR and SSIM of each scheme and budget, with intervals |
 //! | `{{against STUDY BASELINE}}` | paired differences of PSNR from a baseline, with intervals |
+//! | `{{less STUDY A B …}}` | the same of A less B alone, a row for each such pair |
 //! | `{{plot STUDY BASELINE}}` | both as a picture, `STUDY-BASELINE.svg` in that folder |
 //! | `{{objects STUDY BUDGET}}` | PSNR of each object and scheme at a budget |
 //! | `{{classes STUDY}}` | PSNR of each class, means over all budgets, beside the paper's |
@@ -28,7 +29,7 @@ use crate::page::psnr_svg;
 use crate::plans;
 use crate::runs::{Run, write_whole};
 use crate::study::Study;
-use crate::summary::{Estimate, Row, Summary, summarise};
+use crate::summary::{Difference, Estimate, Row, Summary, summarise, summarise_against};
 use vantage_lab::statistics::mean;
 
 /// Write the page of results from the runs that were kept
@@ -101,6 +102,9 @@ pub fn page(folder: &Path) -> Result<Page> {
                 mark
             }
             ["against", _, baseline] => against(summary, baseline)?,
+            ["less", _, pairs @ ..] => {
+                less(study, pairs).with_context(|| format!("the mark {line}"))?
+            }
             ["objects", _, budget] => {
                 let budget = budget.parse().with_context(|| format!("no budget in {line}"))?;
                 of_objects(study, budget)
@@ -210,9 +214,32 @@ fn against(summary: &Summary, baseline: &str) -> Result<String> {
         let difference = summary.differences.iter().find(|row| {
             (row.scheme.as_str(), row.minus.as_str(), row.budget) == (scheme, baseline, budget)
         })?;
-        let (wins, all) = (difference.wins, difference.of_objects.len());
-        Some(format!("{}, better on {wins} of {all}", cell(&difference.psnr, 2, true)))
+        Some(better(difference))
     }))
+}
+
+fn better(difference: &Difference) -> String {
+    let (wins, all) = (difference.wins, difference.of_objects.len());
+    format!("{}, better on {wins} of {all}", cell(&difference.psnr, 2, true))
+}
+
+/// A row for each pair of schemes: what the first has more than the second.
+fn less(study: &Study<Run>, pairs: &[&str]) -> Result<String> {
+    let budgets = study.budgets();
+    let heads: String = budgets.iter().map(|budget| format!(" B = {budget} |")).collect();
+    let mut text = format!("| PSNR in dB |{heads}\n|---|{}\n", "---|".repeat(budgets.len()));
+    for pair in pairs.chunks(2) {
+        let [scheme, minus] = pair else { bail!("{} has nothing to be less", pair.concat()) };
+        let schemes = [(*scheme).to_owned()];
+        let summary = summarise_against(&study.runs, &schemes, &budgets, &[*minus]);
+        ensure!(!summary.differences.is_empty(), "nothing is known of {scheme} less {minus}");
+        let cells = budgets.iter().map(|&budget| {
+            let row = summary.differences.iter().find(|row| row.budget == budget);
+            format!(" {} |", row.map(better).unwrap_or_default())
+        });
+        let _ = writeln!(text, "| {scheme} less {minus} |{}", cells.collect::<String>());
+    }
+    Ok(text)
 }
 
 fn of_objects(study: &Study<Run>, budget: usize) -> String {
@@ -353,7 +380,7 @@ mod tests {
     fn marks_become_tables() {
         let home = folder_of(
             "Title\n{{command small}}\n{{against small random}}\n{{objects small 6}}\n\
-                       {{travel small}}\n",
+                       {{travel small}}\n{{less small fps random random fps}}\n",
         );
         let page = page(home.path()).unwrap().text;
         let expected = "Title\n```sh\nfirst\nsecond\n```\n\
@@ -362,7 +389,10 @@ mod tests {
             | PSNR in dB, B = 6 | random | fps |\n|---|---|---|\n\
             | a | 20.50 | 21.00 |\n| b c | 30.50 | 31.00 |\n\
             | photos, degrees of travel | B = 6 |\n|---|---|\n\
-            | random | 6.0, 90 |\n| fps | 6.0, 90 |\n";
+            | random | 6.0, 90 |\n| fps | 6.0, 90 |\n\
+            | PSNR in dB | B = 6 |\n|---|---|\n\
+            | fps less random | +0.50 [+0.50, +0.50], better on 2 of 2 |\n\
+            | random less fps | -0.50 [-0.50, -0.50], better on 0 of 2 |\n";
         assert_eq!(page, expected);
     }
 
@@ -387,6 +417,8 @@ mod tests {
             ("{{best small}}", "there is no mark"),
             ("{{objects small x}}", "no budget"),
             ("{{against small e}}", "nothing to compare"),
+            ("{{less small fps e}}", "nothing is known of fps less e"),
+            ("{{less small fps}}", "nothing to be less"),
             ("{{plot small e}}", "nothing to compare"),
         ] {
             let error = format!("{:#}", page(folder_of(mark).path()).unwrap_err());

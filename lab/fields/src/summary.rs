@@ -89,6 +89,16 @@ fn runs_of<'a>(runs: &'a [Run], object: &str, scheme: &str, budget: usize) -> Ve
 
 /// Means over the seeds of each object, then over objects.
 pub fn summarise(runs: &[Run], schemes: &[String], budgets: &[usize]) -> Summary {
+    summarise_against(runs, schemes, budgets, &BASELINES)
+}
+
+/// The same, with differences from these schemes.
+pub fn summarise_against(
+    runs: &[Run],
+    schemes: &[String],
+    budgets: &[usize],
+    baselines: &[&str],
+) -> Summary {
     let mut objects: Vec<&str> = Vec::new();
     for run in runs {
         if !objects.contains(&run.object.as_str()) {
@@ -134,7 +144,7 @@ pub fn summarise(runs: &[Run], schemes: &[String], budgets: &[usize]) -> Summary
                 planning_seconds: seconds(|run| run.planning_seconds),
                 training_seconds: seconds(|run| run.training_seconds),
             });
-            for minus in BASELINES.iter().filter(|minus| *minus != scheme) {
+            for minus in baselines.iter().filter(|minus| *minus != scheme) {
                 let difference = |object: &&str| {
                     let own = of_object(scheme, budget, object, psnr)?;
                     Some(own - of_object(minus, budget, object, psnr)?)
