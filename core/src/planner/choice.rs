@@ -183,11 +183,7 @@ pub(super) fn refresh<S: Scorer>(
 /// The candidate farthest from every view; its gain is that distance in metres, as it counts.
 ///
 /// `None` where no view has been taken: everything is as far as anything.
-pub(super) fn by_distance(
-    candidates: &[Candidate],
-    movement: Movement,
-    apart: Apart,
-) -> Option<Choice> {
+fn by_distance(candidates: &[Candidate], movement: Movement, apart: Apart) -> Option<Choice> {
     let distance = |c: &Candidate| math::sqrt(apart.squared(c));
     let (index, _) = best(candidates, Apart::ANY, |_, c| movement.value(c, distance(c)))?;
     let gain = candidates.get(index).map(distance)?;
@@ -201,6 +197,16 @@ pub(super) fn by_chance(candidates: &[Candidate], seed: u64, draw: u64) -> Optio
     let place = (u64::from(chance(seed, draw).next_u32()) * available) >> 32;
     let mut rest = candidates.iter().enumerate().filter(|(_, c)| c.is_available());
     rest.nth(place as usize).map(|(index, _)| Choice { index, gain: 0.0 })
+}
+
+/// The candidate farthest from every view; one by chance where no view has been taken.
+pub(super) fn farthest(
+    candidates: &[Candidate],
+    movement: Movement,
+    apart: Apart,
+    chance: (u64, u64),
+) -> Option<Choice> {
+    by_distance(candidates, movement, apart).or_else(|| by_chance(candidates, chance.0, chance.1))
 }
 
 /// The extreme candidate along the axis of a starting step: +x, +y, +z.
@@ -225,9 +231,7 @@ pub(super) fn by_start(
         Start::PseudoCoverage => by_axis(candidates, step, centre),
         Start::FarthestPoint => None,
     };
-    extreme
-        .or_else(|| by_distance(candidates, movement, apart))
-        .or_else(|| by_chance(candidates, chance.0, chance.1))
+    extreme.or_else(|| farthest(candidates, movement, apart, chance))
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ use glam::Vec3;
 
 use super::choice::{self, Apart, Choice, Movement};
 use super::memory::{Candidate, Memory, Status, View};
-use super::plan::{ENSEMBLE, Phase, Plan, PlanError, Scheme, Start};
+use super::plan::{ENSEMBLE, Phase, Plan, PlanError, Scheme};
 use super::scorer::Scorer;
 use super::tour::shortest_tour;
 use crate::objectives::{Objective, Scores};
@@ -238,10 +238,7 @@ impl<S: Scorer, M: Memory> Session<S, M> {
                     (choice::by_chance(candidates, chance.0, chance.1), None, Reason::Chance)
                 }
                 Scheme::FarthestPoint => {
-                    let farthest = Start::FarthestPoint;
-                    let choice = choice::by_start(
-                        farthest, step, candidates, centre, movement, apart, chance,
-                    );
+                    let choice = choice::farthest(candidates, movement, apart, chance);
                     (choice, None, Reason::Farthest)
                 }
                 Scheme::Single(_) | Scheme::Ensemble(_) => {
@@ -265,10 +262,7 @@ impl<S: Scorer, M: Memory> Session<S, M> {
                     match choice.filter(|choice| choice.gain > 0.0) {
                         // A scorer that does not know support, or an object that no photo shows.
                         None => {
-                            let farthest = Start::FarthestPoint;
-                            let choice = choice::by_start(
-                                farthest, step, candidates, centre, movement, apart, chance,
-                            );
+                            let choice = choice::farthest(candidates, movement, apart, chance);
                             (choice, None, Reason::Farthest)
                         }
                         some => (some, None, Reason::Support),

@@ -543,8 +543,8 @@ fn metrics_table(metrics: &MetricsRecord) -> String {
         format!("{budget:>6}  {scheme:<24}{}\n", cells.concat())
     };
     let mut text = format!(
-        "\nAfter the same three first views by farthest points (plans by support: one); means over objects with 95 % \
-         intervals from {} bootstrap\nresamples of the objects.\n",
+        "\nAfter the same three first views by farthest points (plans by support: one); means over \
+         objects with 95 % intervals from {} bootstrap\nresamples of the objects.\n",
         metrics.resamples
     );
     let head = format!(
